@@ -1,7 +1,5 @@
 """The command, in this process and as a process of its own, and scenarios that tests of several packages run."""
 
-from __future__ import annotations
-
 import gc
 import io
 import json

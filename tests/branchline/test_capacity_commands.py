@@ -1,7 +1,5 @@
 """`branchline headway` and `branchline capacity`: what they print and write, and what they refuse."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable

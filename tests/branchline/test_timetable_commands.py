@@ -1,7 +1,5 @@
 """`import mini-tokyo`, `import gtfs`, `export gtfs`, `duties`: what they print and write, and bad input."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

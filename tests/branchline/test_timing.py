@@ -1,7 +1,5 @@
 """`branchline running-times`: what it prints, what it writes, and that it writes all or nothing."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable
 from pathlib import Path

@@ -2,8 +2,6 @@
 as it is known there, and what was done replays. Then axe, and nothing cut off or overlapping, on a line with eighteen.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path

@@ -3,8 +3,6 @@ driven by hand meanwhile, and the script of all four is a drill with the same di
 package that has it is.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

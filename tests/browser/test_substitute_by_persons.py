@@ -2,8 +2,6 @@
 pilots and dispatcher by a click from two seats, as the page has them; what was clicked is a drill with the same digest.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any, Final

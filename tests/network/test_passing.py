@@ -1,7 +1,5 @@
 """What a timetable says of passing, of standing without passengers, and of tracks without a platform."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The checkers' map: read from a net written out by hand here, so that nothing of the writer is trusted."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

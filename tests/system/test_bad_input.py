@@ -1,7 +1,5 @@
 """Bad input through the command: one line that names file, key, value and what was expected; nothing written."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from itertools import product

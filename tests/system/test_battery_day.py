@@ -4,8 +4,6 @@ The hand knows the hops' energies of the day in which every charger worked, what
 knows nothing of predictions, of pantographs or of the step.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from pathlib import Path

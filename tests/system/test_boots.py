@@ -3,8 +3,6 @@
 K1 is on the open line when the power fails; K2 is the next train, and would be granted the section in which K1 stands.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Final
 

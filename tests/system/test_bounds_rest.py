@@ -3,8 +3,6 @@
 No other axle is shown here: with one the position is not false in the first place (decision 072, `test_two_axles`).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

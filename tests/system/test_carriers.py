@@ -1,7 +1,5 @@
 """SUMO and the plain track carry the same run to the same places."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -4,8 +4,6 @@ What the drill expects comes about as without, nothing moves otherwise where nob
 that the certificate keeps from a deadlock are kept from it too when the manager, a unit or a link fails meanwhile.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -2,8 +2,6 @@
 does not come is told and late as stated, and the day is the same on both links.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Every train and leg, of a set's way out and back and of a real day: a second account finds what it drew, to 0.1 %."""
 
-from __future__ import annotations
-
 import pytest
 
 from scenario.scenario import Scenario, load_scenario

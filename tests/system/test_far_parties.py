@@ -1,7 +1,5 @@
 """A run with parties on other machines: the same run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

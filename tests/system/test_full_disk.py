@@ -1,7 +1,5 @@
 """A disk that is full, for real: a limit of the size of files, a device that takes nothing, a small file system."""
 
-from __future__ import annotations
-
 import os
 import resource
 import signal

@@ -4,8 +4,6 @@ With a place that nobody named (drill 53) their word counts for nothing, and all
 counts; then both sides of the contradiction stop and say why, or the word was never put to the test.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

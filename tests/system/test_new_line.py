@@ -1,7 +1,5 @@
 """`branchline new line` from the command line: lines that were never seen before, with real trains on SUMO."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

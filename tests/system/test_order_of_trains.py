@@ -4,8 +4,6 @@ Two trains meet on the busy line: A is planned first over the open line, from th
 What makes A late is its radio: it cannot ask.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """A run on less adhesion than the design counts on: what follows is told and fails nothing."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A what-if through the command: what it changed stands in its summary and in its report."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

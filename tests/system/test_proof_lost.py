@@ -1,7 +1,5 @@
 """A proof withdrawn while a train runs up to the points, at any time: it stops before them, or could not any more."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

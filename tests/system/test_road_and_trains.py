@@ -1,7 +1,5 @@
 """Whole runs with a road: trains know nothing of it but by obstacles and contact, and plain track has none."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

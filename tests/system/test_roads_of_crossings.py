@@ -2,8 +2,6 @@
 seen in time, or struck at the speed that braking leaves.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path

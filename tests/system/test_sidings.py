@@ -4,8 +4,6 @@ Three trains and two loops, and the layouts of SUMO's reports 17834 and 17926. T
 its certificate is switched off, or on.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Staff who react put right what nothing puts right by itself, after a time of their own; else it stays as it is."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final

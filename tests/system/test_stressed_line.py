@@ -4,8 +4,6 @@ Limits: 1 m is asked of a stop (Oda, 2.2); 99 % within 0.35 m is this project's 
 alone may be off by (Oda, 2.2), so sightings that work cost next to nothing beyond it, in 95 % of the stops.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

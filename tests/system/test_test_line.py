@@ -1,7 +1,5 @@
 """The paper's run from section 3 to section 8 (Sugiyama et al. 2017, sections 2.2 and 5) in its journal."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path

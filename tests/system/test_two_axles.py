@@ -1,7 +1,5 @@
 """A tachometer that errs is compared with another axle: the front stays inside its bounds from the first metre on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final

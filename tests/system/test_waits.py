@@ -1,7 +1,5 @@
 """Why a train waits, against what its unit shows its driver and against what a drill does to it."""
 
-from __future__ import annotations
-
 import re
 from bisect import bisect_right
 from collections import defaultdict

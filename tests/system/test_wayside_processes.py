@@ -1,7 +1,5 @@
 """The wayside devices as processes: one for each while a run lasts, none afterwards, however it ended."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

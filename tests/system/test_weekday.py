@@ -1,7 +1,5 @@
 """A whole weekday of the Karasuyama line through the command: what the line's operator would look at first."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """What-ifs that cannot go well end in time, without a collision, and say who waits for what."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Taking a track out leaves the same line without it: connected, as long as before, usable both ways."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import Any

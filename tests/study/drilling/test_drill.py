@@ -1,7 +1,5 @@
 """Drills: every one shipped on the test line is met, is the same each time and with real processes."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What is drawn: the same for the same seed, of every kind there is, within every bound, and always over in time."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 from typing import Any, Final

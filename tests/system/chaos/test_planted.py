@@ -4,8 +4,6 @@ Not all: what only a party that misbehaves could bring out, random faults cannot
 the draws; the limits here are several times that.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

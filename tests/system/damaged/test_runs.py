@@ -1,7 +1,5 @@
 """What is taken with a figure at the end of its range can be run: it ends, with a code that means something."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """One round trip of the Karasuyama line: single faults of every kind, so that every few seconds something fails."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Final
 

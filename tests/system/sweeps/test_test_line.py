@@ -1,7 +1,5 @@
 """Every second of the test line's runs: single faults of every kind, every drill, every tenth of each departure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
