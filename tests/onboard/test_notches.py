@@ -1,5 +1,7 @@
 """Automatic driving and the stop at the mark with the train's own dynamics; judged by properties, not by a course."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise

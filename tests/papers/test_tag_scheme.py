@@ -1,5 +1,7 @@
 """The exact figures against enumeration, the binomial law and the reader's own code."""
 
+from __future__ import annotations
+
 from itertools import product
 
 import numpy as np

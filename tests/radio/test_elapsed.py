@@ -1,5 +1,7 @@
 """Time that passes for timers, by a clock that is set."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 from hypothesis import given

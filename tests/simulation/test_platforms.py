@@ -1,5 +1,7 @@
 """When doors are shut on a late day: the plan's spare time is for passengers, and for no door that does not close."""
 
+from __future__ import annotations
+
 from hypothesis import given
 from hypothesis import strategies as st
 

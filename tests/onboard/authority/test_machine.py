@@ -1,5 +1,7 @@
 """The authority machine as a whole: what no table names, radio and timers, and what always holds."""
 
+from __future__ import annotations
+
 from typing import Final, get_args
 
 import pytest

@@ -1,5 +1,7 @@
 """Section 2.2 of Sugiyama et al.: before the departure points, before the arrival points, on the track."""
 
+from __future__ import annotations
+
 from typing import Final
 
 import pytest

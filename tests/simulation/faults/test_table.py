@@ -1,5 +1,7 @@
 """The table of faults and the words for links."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import pytest

@@ -1,5 +1,7 @@
 """Light and weather of the open air: the exposure's arithmetic, and what pictures show of it."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import replace
 

@@ -1,5 +1,7 @@
 """Blocking times of runs: whole, never two stocks' at once, and as the table keeps them."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import pytest

@@ -1,5 +1,7 @@
 """Room for more: what fits into a gap by hand, and nothing that is put in overlaps anything."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import pytest

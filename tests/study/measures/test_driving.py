@@ -1,5 +1,7 @@
 """The table of how hops were driven: records made by hand, with their figures by hand."""
 
+from __future__ import annotations
+
 from dataclasses import fields, replace
 from typing import Final
 

@@ -1,5 +1,7 @@
 """Times of a journey: least energy within all windows, its prices, its bound, and what cannot be kept."""
 
+from __future__ import annotations
+
 import itertools
 import math
 from collections.abc import Sequence
