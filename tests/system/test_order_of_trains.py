@@ -94,7 +94,7 @@ def day(
     (folder / "meet.toml").write_text(TRAINS + trains, encoding="utf-8")
     file = folder / "day.toml"
     head = 'extends = "busy_line"\nid = "day"\nname = "A meet"\ntimetable = "meet.toml"\n'
-    limits = "[limits]\nstall_limit_s = 3600.0\n"
+    limits = "[limits]\ntime_limit_s = 1800.0\n"
     file.write_text(head + limits + f"[dispatch]\n{dispatch}\n" + faults, encoding="utf-8")
     return Day(execute(load_scenario(str(file)), link, carrier=CarrierKind.PLAIN))
 
