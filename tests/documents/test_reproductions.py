@@ -1,5 +1,7 @@
 """docs/reproductions.md: a row of a name is made of the reproduction's own rows."""
 
+from __future__ import annotations
+
 from documents.reproductions import cell_text, document, kept_of, kept_outcomes
 from papers.reproduction import CaseRow, NullMethod, Reproduction
 from papers.specification import REPRODUCTIONS

@@ -1,5 +1,7 @@
 """What the checkers are told of line and trains."""
 
+from __future__ import annotations
+
 import pytest
 
 from simulation.facts import brake_of, edge_heights

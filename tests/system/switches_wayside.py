@@ -1,5 +1,7 @@
 """Behaviours of block manager and point terminals that can be taken away."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
