@@ -58,11 +58,6 @@ class NetMap:
         return tuple(found)
 
 
-def edge_of_lane(lane_id: str) -> str:
-    """The edge a lane belongs to; SUMO names lanes `<edge>_<index>`."""
-    return lane_id.rpartition("_")[0]
-
-
 def read_net(path: Path) -> NetMap:
     """Read a net (`.net.xml` or `.net.xml.gz`). Raises InputError for a file that is not one of our nets."""
     try:

@@ -1,7 +1,5 @@
 """The command, in this process and as a process of its own, and scenarios that tests of several packages run."""
 
-from __future__ import annotations
-
 import gc
 import io
 import json
@@ -13,7 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -36,6 +34,17 @@ settings.register_profile(
 )
 settings.register_profile("many", settings.get_profile("few"), max_examples=300)
 settings.load_profile("few")
+
+TESTS: Final = Path(__file__).parent
+MARKED: Final = {"browser": ("browser", "system"), "system": ("system",)}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What stands in some folders is marked; elsewhere a file or test says so itself."""
+    for item in items:
+        for mark in MARKED.get(item.path.relative_to(TESTS).parts[0], ()):
+            item.add_marker(mark)
 
 
 def pytest_collection_finish() -> None:

@@ -1,7 +1,5 @@
 """Long tables of cases and costly examples: some in every run, the others in `make nightly`."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -69,6 +70,7 @@ class Drill:
         }
 
 
+@cache
 def shipped_drills() -> tuple[str, ...]:
     """Names of the drills that come with the program, as folder/file."""
     folder = _folder()

@@ -106,11 +106,6 @@ class LocalPump:
         self._stillborn = 0
         self.spawned = 0
 
-    @property
-    def pids(self) -> tuple[int, ...]:
-        """The processes that there are now."""
-        return tuple(worker.process.pid or 0 for worker in self._workers)
-
     def run(self, tasks: Iterator[Task]) -> Generator[FiledDay]:
         """See `Pump`. What is at hand when the generator is closed is lost."""
         try:

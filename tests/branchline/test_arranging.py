@@ -1,7 +1,5 @@
 """`branchline arrange`: from departures alone to a day that `check` lets through."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """`branchline blocking`: theory and run of a scenario, a run directory read back, the two compared."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`branchline headway` and `branchline capacity`: what they print and write, and what they refuse."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable
@@ -141,13 +139,25 @@ def test_bad_input_is_one_line_and_two(
     assert len(ended.err.strip().splitlines()) == 1
 
 
-def test_a_directory_of_somebody_else_is_left_alone(main: Callable[..., Any], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "asked",
+    [
+        ("headway", "karasuyama_weekday", "--theory"),
+        ("capacity", "karasuyama_weekday", "--theory"),
+        ("running-times", "rtri_test_line"),
+        ("duties", "karasuyama_weekday"),
+    ],
+    ids=lambda asked: asked[0],
+)
+def test_a_directory_of_somebody_else_is_left_alone(
+    main: Callable[..., Any], tmp_path: Path, asked: tuple[str, ...]
+) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out/thesis.txt").write_text("mine", "utf-8")
-    for command in ("headway", "capacity"):
-        ended = main(command, "karasuyama_weekday", "--theory", "--out", "out")
-        assert ended.code == 2
-        assert "thesis.txt" in ended.err
+    ended = main(*asked, "--out", "out")
+    assert ended.code == 2
+    assert "thesis.txt" in ended.err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["thesis.txt"]
 
 
 def test_the_trains_that_fit_are_a_scenario(main: Callable[..., Any], tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """`branchline check`, and what `branchline run` does with a plan that cannot work."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from pathlib import Path

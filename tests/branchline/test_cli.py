@@ -1,7 +1,5 @@
 """The command itself: help, usage errors, exit codes, what goes to which stream, and how it is stopped."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

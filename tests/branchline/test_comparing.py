@@ -1,7 +1,5 @@
 """`branchline compare` and `run --against`: what they print, write and refuse, and their exit codes."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """`branchline certificates`, and `run --listen` before it waits: what they refuse."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path

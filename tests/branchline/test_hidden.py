@@ -1,7 +1,5 @@
 """A file of a user's in the place of one of the packages is named, in one line."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tomllib

@@ -1,7 +1,5 @@
 """`branchline import railml|osm|sumo` and `branchline export sumo` as a person calls them."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable
 from pathlib import Path

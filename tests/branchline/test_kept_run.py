@@ -1,7 +1,5 @@
 """A run directory that an earlier version wrote (`kept_run`) opens in every command, also after a column is added."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections.abc import Callable

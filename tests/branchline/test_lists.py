@@ -1,7 +1,5 @@
 """What a command lists is its result: it stands on stdout, and stderr stays empty."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

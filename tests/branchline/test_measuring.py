@@ -1,7 +1,5 @@
 """`branchline bench`: the links alone unless others are asked for, and each part's figures as soon as it is done."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """`branchline import oudia` and `export oudia`: what a planner types, and what comes of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

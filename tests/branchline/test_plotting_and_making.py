@@ -1,7 +1,5 @@
 """`branchline plot` and `branchline new`, as a person types them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

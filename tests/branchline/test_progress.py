@@ -1,7 +1,5 @@
 """What a person is told while something takes its time."""
 
-from __future__ import annotations
-
 from threading import Event
 
 import pytest

@@ -1,7 +1,5 @@
 """The figures that `branchline run` prints are those of the report, in its words, and say what they are of."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import polars as pl

@@ -1,7 +1,5 @@
 """`branchline serve` before it serves: what it refuses, and where it listens."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

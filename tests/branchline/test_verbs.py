@@ -1,7 +1,5 @@
 """`import branchline`: the verbs give what the commands give, and refuse what they refuse."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A browser and reports to open in it; both are left out, with the reason, where there is no browser."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from pathlib import Path

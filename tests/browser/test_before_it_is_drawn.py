@@ -10,8 +10,6 @@ import pytest
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-pytestmark = pytest.mark.browser
-
 OFF, LOADING, UNDRAWN = "which is switched off here", "Loading", "could not be drawn"
 START = "start(document, {"
 MODULE = '<script type="module">'

@@ -2,8 +2,6 @@
 as it is known there, and what was done replays. Then axe, and nothing cut off or overlapping, on a line with eighteen.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
@@ -17,8 +15,6 @@ from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink
 from tests.browser.seated import SIZE, Seated, cut_off, overlapping, serious, served, served_desk
 from tests.nightly import others_nightly
-
-pytestmark = [pytest.mark.browser, pytest.mark.system]
 
 SEATS = ("instructor", "dispatcher", "staff", "driver&unit=V2")
 CROSSED_S = 7 * 3600 + 11 * 60 + 20.0  # a train is before its second crossing

@@ -5,14 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pytest
-
 from tests.browser.test_report_in_chromium import opened, picture
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
-
-pytestmark = pytest.mark.browser
 
 
 def test_crossings_have_a_paper_with_the_road_beside_them(browser: Browser, crossed_report: Path) -> None:

@@ -3,8 +3,6 @@ driven by hand meanwhile, and the script of all four is a drill with the same di
 package that has it is.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,8 +19,6 @@ from study.record.read_back import RunRead, read_run
 from study.runner.run import PartyLink, execute, fill_run
 from tests.browser.seated import WAIT_MS, Seated, cut_off, overlapping, serious, served
 from tests.nightly import others_nightly
-
-pytestmark = [pytest.mark.browser, pytest.mark.system]
 
 SIZES: Final = ({"width": 1280, "height": 800}, {"width": 1920, "height": 1080})
 EARLIER: Final = re.compile(r"09:|10:00:[0-2]")  # than half a minute past ten

@@ -25,7 +25,6 @@ from tests.study.wording.test_wording import english_in
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-pytestmark = pytest.mark.browser
 PAPERS = (*EVERY_PAPER, "compared")
 TEXTS = """
 () => {

@@ -20,8 +20,6 @@ from tests.nightly import others_nightly
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Route
 
-pytestmark = pytest.mark.browser
-
 PICTURES = os.environ.get("BRANCHLINE_PICTURES")  # a folder for what the tests saw
 SIZES = ((1280, 800), (1920, 1080), (400, 800))
 LANGUAGES = ("en", "ja")

@@ -2,8 +2,6 @@
 pilots and dispatcher by a click from two seats, as the page has them; what was clicked is a drill with the same digest.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any, Final
@@ -15,8 +13,6 @@ from scenario.scenario import load_scenario
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink
 from tests.browser.seated import Seated, served_desk
-
-pytestmark = [pytest.mark.browser, pytest.mark.system]
 
 BEGIN_S: Final = 6 * 3600 + 44 * 60
 END_S: Final = 9 * 3600 + 20 * 60

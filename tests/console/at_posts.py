@@ -1,7 +1,5 @@
 """A person who works a line by substitute working as the page says: each step of the own roles once it is next."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A short line to work, and a desk without a thread."""
 
-from __future__ import annotations
-
 import pytest
 
 from scenario.scenario import Scenario, load_scenario

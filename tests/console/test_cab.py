@@ -1,7 +1,5 @@
 """What the cab says in Japanese: no word of it is left in English."""
 
-from __future__ import annotations
-
 import re
 from collections import deque
 

@@ -1,7 +1,5 @@
 """What each seat knows of a level crossing, from a journal written by hand: who has said what to whom, and when."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The desk in its own thread: what waits on it never makes it wait, and its run is that of its script."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from queue import Queue
 from threading import Event

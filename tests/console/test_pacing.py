@@ -1,7 +1,5 @@
 """Where a paced run is to be, by a clock that is given."""
 
-from __future__ import annotations
-
 from console.pacing import BEHIND_MAX_S, Pacer
 
 

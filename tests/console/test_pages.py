@@ -1,7 +1,5 @@
 """What the desk's pages say stands in the catalogue, which has nothing that they do not say."""
 
-from __future__ import annotations
-
 import re
 from importlib.resources import files
 

@@ -1,7 +1,5 @@
 """The desk's door: who may come in, what is refused and counted, and that none of it reaches the run."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The panel that knows nothing of the program but its protocol, at a desk that is served."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The accidents as they were happen where and when they did, and do not happen otherwise: published figures alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import polars as pl

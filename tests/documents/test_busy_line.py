@@ -1,7 +1,5 @@
 """The busy line: what is committed is what its generator writes, and its timetable is one that can run."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from itertools import pairwise

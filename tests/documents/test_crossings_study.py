@@ -1,7 +1,5 @@
 """The study of level crossings, on slices of its days: by contacts the run from there, by radio the bounds."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

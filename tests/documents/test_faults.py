@@ -1,7 +1,5 @@
 """docs/faults.md is what the table of faults writes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from documents.faults import document

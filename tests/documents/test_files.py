@@ -1,7 +1,5 @@
 """The pages of files are what the schemas say, and the schemas say something of every key."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Callable, Iterator

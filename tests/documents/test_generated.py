@@ -1,7 +1,5 @@
 """`python -m documents.generated` says which file is not what is generated."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

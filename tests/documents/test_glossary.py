@@ -1,7 +1,5 @@
 """What docs/glossary.md says is defined somewhere is defined there, and no term is explained twice."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """docs/notebooks: every cell runs, and shows what is committed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

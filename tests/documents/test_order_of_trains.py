@@ -1,7 +1,5 @@
 """The study of the order of trains: its table and its verdict follow from the days that are kept."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

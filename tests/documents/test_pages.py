@@ -1,7 +1,5 @@
 """README.md and the three pages that it leads to: their links lead somewhere, and what they show can be used."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The Kururi and Isumi lines: nobody had a hand in their files, and their days run as published."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """docs/safety.md: each leaf of the tree is a command that there is, or a test that there is."""
 
-from __future__ import annotations
-
 import ast
 import shlex
 from functools import cache

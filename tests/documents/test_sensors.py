@@ -1,7 +1,5 @@
 """The page of sensors knows every sensor, reader and fault, and says what a default train carries."""
 
-from __future__ import annotations
-
 import pytest
 
 from documents import sensors

@@ -1,7 +1,5 @@
 """`make site`: every page, nothing from elsewhere, and a broken link ends the build."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The diagrams are what the machines do: their arrows are rows of the tables."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

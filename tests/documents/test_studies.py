@@ -1,7 +1,5 @@
 """The worked studies: files that are read, figures of theory that are those of the pages, and a cheap cut cable."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

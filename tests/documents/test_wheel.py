@@ -1,7 +1,5 @@
 """The wheel: it brings compiled code for any processor, which serves wherever it is installed."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """A clone of the project in which examples are made as their recipes in docs/make-a.md say, and then checked."""
 
-from __future__ import annotations
-
 import ast
 import json
 import os

@@ -1,7 +1,5 @@
 """The drill of docs/make-a.md, as it stands there: every expectation is met, and the contrary of the first is not."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The line of docs/make-a.md, as a newcomer would use it: files beside one another, nothing shipped but a train."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Callable

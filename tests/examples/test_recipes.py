@@ -1,7 +1,5 @@
 """The recipes of docs/make-a.md, all followed in one clone: what they touch, what checks it, and what each is for."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The recipe "a telegram" of docs/make-a.md, followed: "hold at the next station", from manager to unit."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -6,8 +6,6 @@
 Birch stands at km 1.2 with a platform on each of its tracks, Cedar at km 1.9.
 """
 
-from __future__ import annotations
-
 RAILML_2 = """<?xml version="1.0" encoding="UTF-8"?>
 <railml xmlns="https://www.railml.org/schemas/2018" version="2.4">
   <infrastructure id="is" name="Small">

@@ -1,7 +1,5 @@
 """What a planner adds to a published day."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

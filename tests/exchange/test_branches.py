@@ -1,7 +1,5 @@
 """Stations that trains reach from inside a line are a branch; those beyond its ends are not."""
 
-from __future__ import annotations
-
 from exchange.branches import branches
 from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
 from network.files.line_file import load_line

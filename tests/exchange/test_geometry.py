@@ -1,7 +1,5 @@
 """Fitting known axes, the real polyline, and what happens to input that is no track."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Stations joined to a track by name, gradients and limits joined from tables, and what is said of each."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """From the files of mini-tokyo-3d to a published timetable, of any railway that they have."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """railML 2.4 and 3.2: one layout from both, and what is no layout of ordinary points is said."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from pathlib import Path
 

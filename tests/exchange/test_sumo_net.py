@@ -1,7 +1,5 @@
 """SUMO nets: our own come back as they were made, others as they are."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """XML of others: within limits, without entities, and one message for each damage."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

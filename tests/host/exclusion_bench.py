@@ -5,8 +5,6 @@ confirms as outside only trains that hold nothing. Sato, the controller, enters 
 any picture.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

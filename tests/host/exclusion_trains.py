@@ -1,7 +1,5 @@
 """The line of the bench of exclusion, made up and without points, and its trains: each with the very unit that runs."""
 
-from __future__ import annotations
-
 from enum import Enum
 from types import MappingProxyType
 from typing import Final

@@ -1,7 +1,5 @@
 """A line of one unit, one portal and one set of points, for hosts of its devices."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, RouteEntry, SectionEntry, TerminalConfig

@@ -1,7 +1,5 @@
 """The device host: order of work, durable state, boots; and the configurations it starts from."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What starts the devices of a line, and their records as the parties carry them."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

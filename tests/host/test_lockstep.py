@@ -1,7 +1,5 @@
 """The time plane is authenticated: each defence alone keeps something out, and without it that comes in."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final

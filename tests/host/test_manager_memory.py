@@ -1,7 +1,5 @@
 """What a manager knows of its day after a power cut: a train with a part of its way still has it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

@@ -1,7 +1,5 @@
 """Parties on other machines: the same bytes, and nobody gets in, speaks or leaves without being told apart."""
 
-from __future__ import annotations
-
 import stat
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Parties as processes: nobody else can speak, hear or join unnoticed, and nothing is left afterwards."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

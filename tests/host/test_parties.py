@@ -1,7 +1,5 @@
 """Parties in this process and over Zenoh: the same bytes, power cuts and boots."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Key expressions and configuration of the two planes, secrets, and the private folder of the socket."""
 
-from __future__ import annotations
-
 import os
 import stat
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Folders of a process: gone with it, and where it was killed swept by the next one; never that of one that lives."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import signal

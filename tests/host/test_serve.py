@@ -1,7 +1,5 @@
 """The process of one party: what it refuses, and that it starts light."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A mad unit claims besides what it holds what a fault has it claim, and says nothing else that is not so."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

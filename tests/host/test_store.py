@@ -1,7 +1,5 @@
 """Durable state: kept whole or refused, and a boot number that only grows."""
 
-from __future__ import annotations
-
 import os
 import stat
 from collections.abc import Callable

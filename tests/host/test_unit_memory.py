@@ -1,7 +1,5 @@
 """What a unit keeps over a power cut: whether it may be on the line; and what it says of itself after a boot."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

@@ -4,8 +4,6 @@ u1 stands in the portal P0 and is silent; u3 waits outside to enter there. Asked
 fact, and the train that stands there must be able to say so.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from onboard.authority import machine as authority

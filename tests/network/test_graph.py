@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,16 +15,9 @@ from network.graph import (
     routes_from,
 )
 from network.model import Direction, Position, SectionKind
+from tests.network.sample import LINE, SAMPLE, changed
 
-SAMPLE = Path(__file__).with_name("sample_line.toml").read_text(encoding="utf-8")
-LINE = parse_line(SAMPLE, "sample.toml")
 STOPS = sorted(s.id for s in LINE.sections.values() if s.kind in (SectionKind.TRACK, SectionKind.PORTAL))
-
-
-def changed(old: str, new: str, count: int = 1) -> str:
-    """The sample with the first `count` places of `old` replaced; fails when there is none."""
-    assert old in SAMPLE, old
-    return SAMPLE.replace(old, new, count)
 
 
 def test_two_pieces_follow_at_a_toe_normal_first_and_one_when_trailing() -> None:

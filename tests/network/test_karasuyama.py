@@ -1,7 +1,5 @@
 """The shipped line and its timetables: complete, plausible, runnable, and what the importers make."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator
 from itertools import pairwise

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from network.files.line_file import load_line
 from network.meets import Trajectory, meets_of
 from network.model import Direction
+from tests.network.sample import LINE
 
-LINE = load_line(Path(__file__).with_name("sample_line.toml"))
 A_M, H_M, B_M = (LINE.stations[name].position_m for name in "AHB")
 TEN = 36_000.0
 

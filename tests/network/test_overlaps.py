@@ -1,7 +1,5 @@
 """What lies in the overlap of a track, and where trains need leave to come in: distances of the sample line by hand."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.errors import InputError

@@ -1,19 +1,14 @@
 """What a timetable says of passing, of standing without passengers, and of tracks without a platform."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from pathlib import Path
 
 import pytest
 
 from network.errors import InputError
-from network.files.line_file import load_line, parse_line
+from network.files.line_file import parse_line
 from network.timetable import CallKind, parse_timetable
+from tests.network.sample import LINE, SAMPLE
 
-HERE = Path(__file__).parent
-LINE = load_line(HERE / "sample_line.toml")
-LINE_TEXT = (HERE / "sample_line.toml").read_text("utf-8")
 FIRST = '{ station = "A", track = "1", departure = "06:01" }'
 LAST = '{ station = "B", track = "1", arrival = "06:06" }'
 
@@ -80,7 +75,7 @@ def _cut(part: str) -> str:
 
 
 def test_a_track_without_a_platform_is_for_trains_alone() -> None:
-    line = parse_line(without_platform(LINE_TEXT), "line.toml")
+    line = parse_line(without_platform(SAMPLE), "line.toml")
     assert line.stations["B"].is_signal_station
     assert not line.stations["A"].is_signal_station
     with pytest.raises(InputError) as found:

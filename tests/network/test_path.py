@@ -1,17 +1,14 @@
 from __future__ import annotations
 
-from pathlib import Path as FilePath
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from network.files.line_file import load_line
 from network.graph import routes_from
 from network.model import Direction
 from network.path import Path, path_of
+from tests.network.sample import LINE
 
-LINE = load_line(FilePath(__file__).with_name("sample_line.toml"))
 PATHS = [
     path_of(LINE, route.piece_ids, direction)
     for direction in Direction

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
@@ -13,9 +12,8 @@ from network.files.line_file import parse_line
 from network.model import Direction, Line
 from network.path import Path, path_of
 from network.profile import PROFILE, Profiles, curvature_at, gradient_permille_at, heights_of, profile_of
+from tests.network.sample import LINE, changed
 
-SAMPLE = FilePath(__file__).with_name("sample_line.toml").read_text(encoding="utf-8")
-LINE = parse_line(SAMPLE, "sample.toml")
 DOWN = [
     "P",
     "A.11.stem",
@@ -32,12 +30,6 @@ DOWN_PATH = path_of(LINE, DOWN, Direction.DOWN)
 UP_PATH = path_of(LINE, DOWN[::-1], Direction.UP)
 LOOP = [name.replace("normal", "reverse").replace("A.1", "A.2", name == "A.1") for name in DOWN]
 LOOP_PATH = path_of(LINE, [*LOOP[:-1], "B.2"], Direction.DOWN)
-
-
-def changed(old: str, new: str, count: int = 1) -> str:
-    """The sample with the first `count` places of `old` replaced; fails when there is none."""
-    assert old in SAMPLE, old
-    return SAMPLE.replace(old, new, count)
 
 
 def test_shape_and_dtype() -> None:

@@ -1,7 +1,5 @@
 """The paper's line model: figures 3 and 5, table 3 (Sugiyama, Fukuda, Kitano)."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.files.line_file import load_line

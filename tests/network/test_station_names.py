@@ -1,7 +1,5 @@
 """Stations by id, name or Japanese name."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

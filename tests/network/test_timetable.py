@@ -1,12 +1,9 @@
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
 
 from network.clock import clock
 from network.errors import InputError
-from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Direction
 from network.timetable import (
@@ -19,8 +16,7 @@ from network.timetable import (
     parse_timetable,
     platform_of,
 )
-
-LINE = load_line(Path(__file__).with_name("sample_line.toml"))
+from tests.network.sample import LINE
 
 DAY = """
 [timetable]

@@ -1,7 +1,5 @@
 """Virtual blocks of a line file: sections of equal length, all that lies there on them, and what is refused."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The RTRI test line, its one train and records to work on, for the tests of the on-board unit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

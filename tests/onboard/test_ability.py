@@ -1,7 +1,5 @@
 """Why a train that stands at a stop may not leave: by its unit's own model, as its place says it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import cast

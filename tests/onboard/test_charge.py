@@ -1,7 +1,5 @@
 """A unit's reckoning of its charge: what the way to the next charge takes, and whether it may leave."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 

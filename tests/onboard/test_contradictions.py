@@ -1,7 +1,5 @@
 """Register and unit contradict each other, and what must be swept: what the train does, by its unit and brakes."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

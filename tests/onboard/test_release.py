@@ -4,8 +4,6 @@ Sugiyama et al. 2017, section 2.2 and figure 3, (1); a tag that is read is where
 Here the tag 701 between the points is missing, so that nothing tells the unit earlier that it is wrong.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Unit and driving part together, phase by phase, with hand-made telegrams of a block manager and point terminals."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

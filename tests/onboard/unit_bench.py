@@ -1,7 +1,5 @@
 """The bench of the unit's tests: a unit with its driving part, and the other ends of its channels."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

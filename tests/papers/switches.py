@@ -1,7 +1,5 @@
 """What reproductions guard and can be taken away, each under the name of its function (as in `tests.system`)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Final

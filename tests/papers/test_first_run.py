@@ -1,7 +1,5 @@
 """A first run makes a map that a second one, with other rails and noise, finds its way by."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

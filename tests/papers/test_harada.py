@@ -1,7 +1,5 @@
 """The reproductions of Harada and others hold, and do not when what they guard is taken away."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Whole journeys: what is shared, what it saves, and a bound that says how much more could be."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Trains that carry a LiDAR along the Karasuyama line with markers patched in: bounds hold, whatever goes wrong."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 

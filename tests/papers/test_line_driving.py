@@ -1,7 +1,5 @@
 """The day by driving laws: what counts as punctual, by hand; and a slice of it, where a law that saves must show it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """`branchline reproduce mochizuki-speed` and `mochizuki-patterns`: the rows, and what each of them rests on."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The null method of every reproduction, run by itself on a short slice: it misses what the idea meets."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

@@ -1,7 +1,5 @@
 """`branchline reproduce oda-scale-track`: figures of Oda 2019, section 3.3.4, and what the camera is worth."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`branchline reproduce oda-vision` on its short slice, and that its scenes can fail it."""
 
-from __future__ import annotations
-
 import colorsys
 from collections.abc import Iterable
 from dataclasses import replace

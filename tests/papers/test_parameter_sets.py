@@ -1,7 +1,5 @@
 """Which set of parameters a reproduction goes by is what it says, and there are no others."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

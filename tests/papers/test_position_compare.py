@@ -1,7 +1,5 @@
 """One run with every sensor set: what the line has for them, what fails, and what is judged."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 from pathlib import Path

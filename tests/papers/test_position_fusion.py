@@ -1,7 +1,5 @@
 """Random runs about where a train is: the rule holds, and without it they would show that it does not."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import msgspec

@@ -1,7 +1,5 @@
 """What sensor sets do to a day: the cases are scenarios that load, and the criteria can fail."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The bench of one train along a line: what is to happen at a place happens there."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Every reproduction of `branchline reproduce list` has a null method, and passes only where that one fails."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Table 5 of Sugiyama, Fukuda and Kitano (2017): complete, on both lines, and met on the test line."""
 
-from __future__ import annotations
-
 import pytest
 
 from papers.reproduction import Options

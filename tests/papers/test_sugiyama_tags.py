@@ -1,7 +1,5 @@
 """`branchline reproduce sugiyama-tags` against what section 6 of the paper states."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

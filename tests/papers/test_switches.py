@@ -1,7 +1,5 @@
 """Every switch of `switches` makes `branchline reproduce` fail with exit code 1, in rows that are named here."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """Virtual blocks on a branch line: what the gain is, that a row can fail, and at night what `--quick` runs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`branchline reproduce yasunobu-energy`: rows say what was found, and what they rest on can be taken away."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

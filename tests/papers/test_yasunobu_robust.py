@@ -1,7 +1,5 @@
 """`branchline reproduce yasunobu-robust`: what the fuzzy law copes with, and what it owes that to."""
 
-from __future__ import annotations
-
 import pytest
 
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy

@@ -1,7 +1,5 @@
 """Solvers that do not do what they should, as processes: `ODD_SOLVER` says which."""
 
-from __future__ import annotations
-
 import os
 import sys
 

@@ -1,7 +1,5 @@
 """What tests of arranging reckon with by hand: A, a loop L and B; each run takes 300 s, a stop 20 s."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise

@@ -3,8 +3,6 @@
 A, a loop L and B; each run takes 300 s, a stop 20 s.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The nearest plan on lines small enough to reckon by hand: A, a loop L and B, each run 300 s, a stop 20 s."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Situations of a single line with a loop, by hand, and the published ones: who can leave is known."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """A late day as a dispatching problem: what stands in it is of the line, and its solution is the order of a run."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The cheapest equipment: a curve of which every point is proven, recounted, and refused where a choice is left out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path

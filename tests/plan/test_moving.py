@@ -1,7 +1,5 @@
 """Legs moved against each other: known answers on the line made by hand, and what only a wrong model allows."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Reserves placed against sampled days: by hand, against every timetable there is, and on a line."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """As few sets as can be: against every roster of small days, and on the shipped weekdays; certificates recounted."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Iterator, Sequence

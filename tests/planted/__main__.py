@@ -3,8 +3,6 @@
 python -m tests.planted [WORDS ...]: those whose name has all the words, or all. Exit code 1 if one went unnoticed.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The deliberate mistakes, as `defects.toml` lists them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Literal
 

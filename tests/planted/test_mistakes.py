@@ -1,7 +1,5 @@
 """Every deliberate mistake can still be planted; `make nightly` plants them all."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import pytest

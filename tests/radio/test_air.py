@@ -1,7 +1,5 @@
 """The air's statistics against its parameters; tolerances are five standard deviations of the estimate."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

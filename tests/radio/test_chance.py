@@ -1,7 +1,5 @@
 """Generators by name: the same for the same name, unrelated for others."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from radio.chance import generator

@@ -1,7 +1,5 @@
 """Key derivation against the published vectors of RFC 5869 and RFC 4231."""
 
-from __future__ import annotations
-
 import pytest
 
 from radio.keys import capability_key, capability_mac, hkdf, key_ring, mac, mac_equal, pair_key

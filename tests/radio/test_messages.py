@@ -1,7 +1,5 @@
 """Messages survive their codec, are told apart, and are short."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

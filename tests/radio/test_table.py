@@ -1,7 +1,5 @@
 """The tables as text: every cell, with something to say."""
 
-from __future__ import annotations
-
 from enum import Enum
 
 import pytest

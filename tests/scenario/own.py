@@ -1,7 +1,5 @@
 """A scenario of one's own, by what it has besides another."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from scenario.scenario import Scenario, load_scenario

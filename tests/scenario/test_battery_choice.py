@@ -1,7 +1,5 @@
 """`[battery]` of a scenario: who and what it names must be there; a cold day is more auxiliaries."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`[belief]`: what units go by is laid beside what is so, and never in its place."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

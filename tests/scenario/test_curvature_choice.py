@@ -1,7 +1,5 @@
 """`[curvature] map`: the design, or a file beside the scenario that fits the line."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Events in scenario files are held against the types of events: a misspelt one is bad input, never "met"."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

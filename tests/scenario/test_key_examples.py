@@ -1,7 +1,5 @@
 """Every key of every kind of file has an example that is accepted where it stands; every error lists every choice."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from copy import deepcopy

@@ -1,7 +1,5 @@
 """What `[late]` names must be there: one message each, with file, key and what was expected."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Patches of every file: what they change, what they leave, what they list, and whom they blame."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

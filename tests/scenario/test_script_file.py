@@ -1,7 +1,5 @@
 """Scripts of scenario files: what cannot be carried out or judged is refused with one message."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`[second_air]`: what it needs of a line, and faults of one network."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

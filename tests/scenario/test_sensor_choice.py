@@ -1,7 +1,5 @@
 """What sets carry is checked as a file is read: sets that there are, and something by which each knows where it is."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The RTRI test line with its one train, as a setup, for the tests of the loop's parts."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.files.line_file import load_line

@@ -3,7 +3,12 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulation.agenda import Agenda, AgendaKind
+from simulation.agenda import Agenda, AgendaKind, Item
+
+
+def due(agenda: Agenda, step: int = 9) -> list[Item]:
+    """All that is due by then, as it comes."""
+    return list(iter(lambda: agenda.pop_due(step), None))
 
 
 @given(st.lists(st.tuples(st.integers(0, 20), st.sampled_from(AgendaKind)), max_size=40))
@@ -11,9 +16,7 @@ def test_items_come_by_step_then_kind_then_as_they_were_put_in(items: list[tuple
     agenda = Agenda()
     for order, (step, kind) in enumerate(items):
         agenda.put(step, kind, str(order))
-    out = []
-    while (item := agenda.pop_due(20)) is not None:
-        out.append((item.step, item.kind, int(item.subject)))
+    out = [(item.step, item.kind, int(item.subject)) for item in due(agenda, 20)]
     assert out == sorted((step, kind, order) for order, (step, kind) in enumerate(items))
 
 
@@ -23,10 +26,7 @@ def test_nothing_comes_before_its_step() -> None:
     agenda.put(7, AgendaKind.DUTY, "V1")
     assert agenda.pop_due(6) is None
     assert agenda.next_step() == 7
-    item = agenda.pop_due(9)  # late is still due
-    assert item is not None
-    assert item.subject == "V1"
-    assert agenda.pop_due(9) is None
+    assert [item.subject for item in due(agenda)] == ["V1"]  # late is still due
 
 
 def test_all_telegrams_of_a_device_can_be_taken_at_once() -> None:
@@ -38,10 +38,7 @@ def test_all_telegrams_of_a_device_can_be_taken_at_once() -> None:
     agenda.put(4, AgendaKind.TO_DEVICE, "BM", b"later")
     assert [item.data for item in agenda.pop_all(3, AgendaKind.TO_DEVICE, "BM")] == [b"one", b"two"]
     assert agenda.pop_all(3, AgendaKind.TO_DEVICE, "BM") == []
-    rest = []
-    while (item := agenda.pop_due(9)) is not None:
-        rest.append(item.data)
-    assert rest == [b"other", b"unit", b"later"]
+    assert [item.data for item in due(agenda)] == [b"other", b"unit", b"later"]
 
 
 def test_what_is_put_in_first_comes_before_all_of_its_kind_in_its_own_order() -> None:
@@ -52,10 +49,7 @@ def test_what_is_put_in_first_comes_before_all_of_its_kind_in_its_own_order() ->
     agenda.put_first(3, AgendaKind.SCRIPT, "begin 0")
     agenda.put_first(3, AgendaKind.SCRIPT, "begin 1")
     agenda.put_first(2, AgendaKind.SCRIPT, "begin 2")
-    came = []
-    while (item := agenda.pop_due(3)) is not None:
-        came.append(item.subject)
-    assert came == ["begin 2", "K1", "begin 0", "begin 1", "crew K1"]
+    assert [item.subject for item in due(agenda, 3)] == ["begin 2", "K1", "begin 0", "begin 1", "crew K1"]
 
 
 def test_what_is_due_just_then_and_what_is_withdrawn() -> None:
@@ -66,10 +60,7 @@ def test_what_is_due_just_then_and_what_is_withdrawn() -> None:
     assert [agenda.is_due(step, AgendaKind.SCRIPT) for step in (2, 3, 4, 5)] == [False, True, False, True]
     agenda.withdraw(AgendaKind.SCRIPT, "end 1")
     assert not agenda.is_due(3, AgendaKind.SCRIPT)
-    came = []
-    while (item := agenda.pop_due(9)) is not None:
-        came.append(item.subject)
-    assert came == ["K1", "end 2"]
+    assert [item.subject for item in due(agenda)] == ["K1", "end 2"]
 
 
 def test_what_is_put_off_is_due_once_and_telegrams_still_arrive() -> None:
@@ -79,8 +70,6 @@ def test_what_is_put_off_is_due_once_and_telegrams_still_arrive() -> None:
     agenda.put(5, AgendaKind.TO_DEVICE, "C1", b"proof")
     agenda.put(5, AgendaKind.UNIT_TIMER, "C1")
     agenda.withdraw(AgendaKind.TO_DEVICE, "C1", 3)
-    came = []
-    while (item := agenda.pop_due(9)) is not None:
-        came.append((item.step, item.kind, item.data))
+    came = [(item.step, item.kind, item.data) for item in due(agenda)]
     to_device, timer = AgendaKind.TO_DEVICE, AgendaKind.UNIT_TIMER
     assert came == [(3, to_device, None), (5, to_device, b"proof"), (5, timer, None)]

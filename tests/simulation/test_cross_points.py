@@ -1,7 +1,5 @@
 """Where a front crosses points it goes where the blades lie: what is unsafe is written down, and forced is broken."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

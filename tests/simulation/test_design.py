@@ -1,7 +1,5 @@
 """The guaranteed brakes on the design adhesion: what is refused, and that the others really hold."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any, Final
 

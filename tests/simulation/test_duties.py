@@ -1,7 +1,5 @@
 """Coming onto the line and leaving it: by what is accepted and what truly stands there; and a cab without power."""
 
-from __future__ import annotations
-
 from heapq import heapify
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """Whom people bar and unbar: by what the journal shows of claims that are not so."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

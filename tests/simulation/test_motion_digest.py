@@ -1,7 +1,5 @@
 """The motion digest counts what moved where, and nothing of how it is written down."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

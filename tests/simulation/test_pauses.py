@@ -1,7 +1,5 @@
 """People take time: what is drawn of `[people]`, and what a file may say of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """When a road is closed although no train comes: by hand, for a road at 500 m of the way and a train of 40 m."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A made-up run of a real timetable: trapezoids between the stopping marks, blocks from the line's routes."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

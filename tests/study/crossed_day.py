@@ -1,7 +1,5 @@
 """A made-up day on a line with a level crossing, whose figures are known."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """How errors end a command: each kind its own outcome, each outcome its own exit code."""
 
-from __future__ import annotations
-
 import errno
 import signal
 from pathlib import Path

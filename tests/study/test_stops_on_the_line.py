@@ -3,8 +3,6 @@
 On the paper's test line: limit of the run at km 1.050, mark of station B at km 1.020, tags 801 to 803 before it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """A line run that reads its tags bit by bit (`[sensors] tags = "bits"`)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

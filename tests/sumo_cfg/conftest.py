@@ -1,7 +1,5 @@
 """A passing loop made by hand on a circle of known radius, and where its kilometrages lie."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

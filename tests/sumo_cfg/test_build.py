@@ -1,7 +1,5 @@
 """Nets by netconvert: faithful, the same every time, and the shipped ones up to date."""
 
-from __future__ import annotations
-
 import gzip
 import re
 import xml.etree.ElementTree as ET

@@ -1,7 +1,5 @@
 """A net from a layout: SUMO loads it, points lead only from stem to leg, and it comes back as it was."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import xml.etree.ElementTree as ET

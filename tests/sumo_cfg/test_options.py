@@ -1,7 +1,5 @@
 """SUMO run with our options carries trains exactly, turns them in place and finds collisions."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator
 from itertools import count

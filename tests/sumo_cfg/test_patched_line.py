@@ -1,7 +1,5 @@
 """A line with a track taken out is one that SUMO carries trains over, both ways."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from itertools import pairwise

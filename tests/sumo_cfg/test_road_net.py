@@ -1,7 +1,5 @@
 """Nets with roads over crossings: the track stays what it is, and plain SUMO runs the road."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import xml.etree.ElementTree as ET

@@ -1,7 +1,5 @@
 """What stands along the track: each thing once, and where its kilometrage is, as SUMO itself places it."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The stub of libsumo names what the installed package has: a name that is not there would pass every type check."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 from collections.abc import Iterator

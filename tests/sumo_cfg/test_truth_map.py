@@ -1,14 +1,12 @@
 """The checkers' map: read from a net written out by hand here, so that nothing of the writer is trusted."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 
 import pytest
 
 from network.errors import InputError
-from sumo_cfg.truth_map import NetMap, edge_of_lane, read_net
+from sumo_cfg.truth_map import NetMap, read_net
 
 LENGTHS_M = {"a": ("platform", 200.0), "b": ("points", 30.0), "c": ("points", 20.0), "d": ("line", 1000.0)}
 
@@ -69,10 +67,6 @@ def test_sections_under_a_train(
 def test_a_train_without_an_edge_is_an_error(net_map: NetMap) -> None:
     with pytest.raises(ValueError, match="stands on an edge"):
         net_map.sections_under((), 0.0, 40.0)
-
-
-def test_lane_names_give_edges() -> None:
-    assert edge_of_lane("track_1+_0") == "track_1+"
 
 
 @pytest.mark.parametrize(

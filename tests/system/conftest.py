@@ -4,8 +4,6 @@ A switch patches the function that carries the behaviour; pytest puts it back. `
 but what somebody else does wrong, against whom a behaviour protects.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -5,8 +5,6 @@ here again, losses from the efficiencies of the train file, auxiliaries from the
 is the run's own figure, for nothing else tells it. Between two samples of the trace everything is taken as even.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

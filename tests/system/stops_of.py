@@ -1,7 +1,5 @@
 """A program of its own: run a scenario and print its stops as JSON (see `switches_compiled`)."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The switchboard of the defects: behaviours taken away on purpose, each under the name of its function."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType

@@ -4,8 +4,6 @@ Compiled code keeps the constants and functions that it was made with, so nothin
 copy compiles anew and runs the scenario in a process of its own; what its edit takes away must be there exactly once.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Switches of level crossings: device and unit."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the envelope refuses, let pass."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import repeat
 

@@ -1,7 +1,5 @@
 """Bad input through the command: one line that names file, key, value and what was expected; nothing written."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from itertools import product
@@ -228,7 +226,6 @@ def test_a_run_never_replaces_what_is_not_a_run(main: Callable[..., Any], tmp_pa
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
-@pytest.mark.system
 def test_as_a_process_it_is_the_same_line_without_a_traceback(
     branchline: Callable[..., Any], tmp_path: Path
 ) -> None:

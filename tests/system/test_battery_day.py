@@ -4,8 +4,6 @@ The hand knows the hops' energies of the day in which every charger worked, what
 knows nothing of predictions, of pantographs or of the step.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -28,8 +26,6 @@ from study.drilling.drill import find_drill
 from study.feasibility.check import feasibility
 from study.feasibility.finding import FindingKind
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
-
-pytestmark = pytest.mark.system
 
 KWH = 3.6e6
 FIRST = ("V4", "333M", "336M")  # down and back: the first round after the charger has failed

@@ -3,8 +3,6 @@
 K1 is on the open line when the power fails; K2 is the next train, and would be granted the section in which K1 stands.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,8 +15,6 @@ from tests.system.chaos.families import Family, ground_of
 from tests.system.chaos.run_one import Outcome, Verdict
 from tests.system.switchboard import SWITCHES
 
-pytestmark = pytest.mark.system
-
 QUICK: Final = {"react": True, "power_s": 60.0, "points_s": 30.0, "picture_s": 20.0, "silent_s": 90.0}
 LEAVES: Final = {"start": "train T1 departs A"}
 UNIT_OFF: Final = {"kind": "power_off", "target": "K1", **LEAVES, "after_s": 23.0, "duration_s": 20.0}
@@ -30,10 +26,10 @@ def nets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("nets")
 
 
-def two_trains(nets: Path, *faults: dict[str, Any], boot_s: float = 10.0) -> Outcome:
+def two_trains(nets: Path, *faults: dict[str, Any], boot_s: float = 10.0, limit_s: float = 3600.0) -> Outcome:
     """Truthful people put right what they see; crews enter their numbers `boot_s` after a boot."""
     ground = ground_of(Family.TEST_LINE, 0)
-    head = {"people": {"boot_s": boot_s, "sigma": 0.0, **QUICK}}
+    head = {"people": {"boot_s": boot_s, "sigma": 0.0, **QUICK}, "limits": {"time_limit_s": limit_s}}
     return run_one.outcome_of(Case("boots", ground, head, faults), nets)
 
 
@@ -102,7 +98,6 @@ def test_without_commissioning_the_summary_says_what_everybody_waits_for(
 ) -> None:
     monkeypatch.setattr("simulation.duties.Duties.commission", lambda *_: None)
     monkeypatch.setattr("simulation.world.points.WaysideWorld.commission", lambda *_: None)
-    outcome = two_trains(
-        nets, {"kind": "lost_store", "target": party, **LEAVES, "after_s": 20.0, "duration_s": 20.0}
-    )
+    lost = {"kind": "lost_store", "target": party, **LEAVES, "after_s": 20.0, "duration_s": 20.0}
+    outcome = two_trains(nets, lost, limit_s=600.0)
     assert any("people must commission it" in text for text in outcome.details), outcome.details

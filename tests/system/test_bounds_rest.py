@@ -3,8 +3,6 @@
 No other axle is shown here: with one the position is not false in the first place (decision 072, `test_two_axles`).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -15,8 +13,6 @@ from simulation.judge.checkers import Checkers
 from simulation.world.premises import FalsePositions
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.system.switchboard import SWITCHES
-
-pytestmark = pytest.mark.system
 
 BEGINS_S = 36_005.0  # T1 departs at 10:00:00
 LASTS_S = 20.0

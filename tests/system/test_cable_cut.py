@@ -33,8 +33,6 @@ from study.runner.run import simulation_of
 from tests.nightly import A_FIFTH
 from wayside.said import Granted
 
-pytestmark = pytest.mark.system
-
 TEN_S: Final = 36_000.0  # T1's departure
 ON_THE_WAY_S: Final = 0.3  # what was sent before the cut still arrives, a step later, and is acted on
 

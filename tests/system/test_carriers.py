@@ -1,7 +1,5 @@
 """SUMO and the plain track carry the same run to the same places."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,8 +12,6 @@ from scenario.scenario import load_scenario
 from simulation.carriers.carrier import Carrier, Truth
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, carrier_factory, execute
 from sumo_cfg.build import net_for
-
-pytestmark = pytest.mark.system
 
 AGREE_M, AGREE_MPS = 0.001, 0.01
 

@@ -4,8 +4,6 @@ What the drill expects comes about as without, nothing moves otherwise where nob
 that the certificate keeps from a deadlock are kept from it too when the manager, a unit or a link fails meanwhile.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 
@@ -20,8 +18,6 @@ from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.nightly import others_nightly
 from tests.system.test_sidings import certified, changes_nothing
 from wayside.said import HeldBack
-
-pytestmark = pytest.mark.system
 
 FEW: Final = (
     "rtri/09_manager_power",

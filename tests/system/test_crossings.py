@@ -32,8 +32,6 @@ from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
 from tests.nightly import A_FIFTH
 
-pytestmark = pytest.mark.system
-
 TEN_S: Final = 36_000.0
 LINK: Final = FaultyLink.parse("* <-> C1")
 STEP_S: Final = 0.1

@@ -2,8 +2,6 @@
 does not come is told and late as stated, and the day is the same on both links.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 
@@ -16,8 +14,6 @@ from study.runner.outcome import unfinished
 from study.runner.run import FinishedRun, PartyLink
 from tests.system.test_dispatcher_orders import ordered_day
 from wayside.said import GoesOnAs, TrainCut
-
-pytestmark = pytest.mark.system
 
 # A's set is to come back as B.
 DAY: Final = """

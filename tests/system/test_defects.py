@@ -18,8 +18,6 @@ from simulation.judge.checkers import Checker
 from study.runner.run import CarrierKind, FinishedRun
 from tests.nightly import others_nightly
 
-pytestmark = pytest.mark.system
-
 RunWith = Callable[..., tuple[FinishedRun, set[str]]]
 
 

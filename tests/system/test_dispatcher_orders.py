@@ -2,8 +2,6 @@
 train really came.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 
@@ -15,8 +13,6 @@ from study.runner.outcome import unfinished
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.system.test_order_of_trains import TRAINS
 from wayside.said import TrackChanged
-
-pytestmark = pytest.mark.system
 
 # A is at IZU on the track to which B is to go and comes to stand; B turns back there.
 STANDS: Final = """

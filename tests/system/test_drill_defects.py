@@ -47,8 +47,6 @@ from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 from wayside.dispatch import DispatchRequest
 from wayside.register import Against, Register
 
-pytestmark = pytest.mark.system
-
 Switch = Callable[[pytest.MonkeyPatch], None]
 
 FOLDER: Final = "rtri/"

@@ -1,7 +1,5 @@
 """Every train and leg, of a set's way out and back and of a real day: a second account finds what it drew, to 0.1 %."""
 
-from __future__ import annotations
-
 import pytest
 
 from scenario.scenario import Scenario, load_scenario
@@ -11,8 +9,6 @@ from study.runner.run import simulation_of
 from tests.conftest import turn_back_in
 from tests.nightly import others_nightly
 from tests.system.energy_apart import Balance, Part, balances, figures_of
-
-pytestmark = pytest.mark.system
 
 CLOSES: float = 1e-3
 LEGS_LEAST = {"turn_back": 4, "karasuyama_weekday": 200}

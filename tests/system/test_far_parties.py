@@ -1,7 +1,5 @@
 """A run with parties on other machines: the same run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -12,8 +10,6 @@ from study.runner.run import CarrierKind, PartyLink, UnitsAt, execute
 from tests.host.far_parties import ADDRESS, Machines
 from tests.nightly import others_nightly
 from verify.evidence.inside_runs import load
-
-pytestmark = pytest.mark.system
 
 SOME = ("block-manager", "B-E", "K1")
 SLICE = ("rtri_test_line", SOME)

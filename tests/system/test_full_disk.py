@@ -1,7 +1,5 @@
 """A disk that is full, for real: a limit of the size of files, a device that takes nothing, a small file system."""
 
-from __future__ import annotations
-
 import os
 import resource
 import signal
@@ -19,8 +17,6 @@ from study.outcome import Outcome
 from study.record.tables import ROWS
 from study.runner.run import CarrierKind, PartyLink, execute
 from tests.nightly import others_nightly
-
-pytestmark = pytest.mark.system
 
 DAY: Final = "karasuyama_weekday"
 

@@ -1,7 +1,5 @@
 """Compiled for this processor or for any, or as Python runs it: the same run, journal and positions to the byte."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
@@ -10,7 +8,7 @@ from typing import Any
 
 import pytest
 
-pytestmark = [pytest.mark.system, pytest.mark.nightly]
+pytestmark = pytest.mark.nightly
 
 
 @pytest.mark.parametrize(

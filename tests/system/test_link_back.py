@@ -4,8 +4,6 @@ With a place that nobody named (drill 53) their word counts for nothing, and all
 counts; then both sides of the contradiction stop and say why, or the word was never put to the test.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 
@@ -19,8 +17,6 @@ from study.drilling.drill import find_drill
 from study.runner.outcome import broken_rules, unfinished
 from study.runner.run import simulation_of
 from tests.nightly import others_nightly
-
-pytestmark = pytest.mark.system
 
 CUT_S: Final = 36_012.0  # 12 s after the departure
 RESTART_S: Final = 36_014.0

@@ -1,7 +1,5 @@
 """`branchline new line` from the command line: lines that were never seen before, with real trains on SUMO."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,7 +53,6 @@ H,13,2,,,,portal
 }
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("name", others_nightly(LISTS, ["portals"]))
 def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: str) -> None:
     pytest.importorskip("sumo", reason="netconvert makes the net of a line that is not shipped")
@@ -83,7 +80,6 @@ def test_real_trains_run_on_it(main: Callable[..., Any], tmp_path: Path, name: s
     assert figures["late_s_max"] < 30.0
 
 
-@pytest.mark.system
 @pytest.mark.nightly
 @pytest.mark.skipif(not DATA.exists(), reason="the geometry and timetable data is not beside this checkout")
 def test_from_names_and_tracks_to_the_whole_weekday(main: Callable[..., Any], tmp_path: Path) -> None:

@@ -4,8 +4,6 @@ Two trains meet on the busy line: A is planned first over the open line, from th
 What makes A late is its radio: it cannot ask.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -16,8 +14,6 @@ from scenario.scenario import load_scenario
 from study.runner.outcome import unfinished
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from wayside.said import HeldBack, OrderChanged
-
-pytestmark = pytest.mark.system
 
 DUE_S: Final = {"A": 36_000.0, "B": 36_480.0}  # 10:00 and 10:08
 
@@ -98,7 +94,7 @@ def day(
     (folder / "meet.toml").write_text(TRAINS + trains, encoding="utf-8")
     file = folder / "day.toml"
     head = 'extends = "busy_line"\nid = "day"\nname = "A meet"\ntimetable = "meet.toml"\n'
-    limits = "[limits]\nstall_limit_s = 3600.0\n"
+    limits = "[limits]\ntime_limit_s = 1800.0\n"
     file.write_text(head + limits + f"[dispatch]\n{dispatch}\n" + faults, encoding="utf-8")
     return Day(execute(load_scenario(str(file)), link, carrier=CarrierKind.PLAIN))
 

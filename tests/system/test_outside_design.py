@@ -1,18 +1,12 @@
 """A run on less adhesion than the design counts on: what follows is told and fails nothing."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from simulation.judge.checkers import Checker
-
-pytestmark = pytest.mark.system
 
 # The train has to stop before points that are not proven, with the wheels sliding all the way.
 SCRIPT = """

@@ -91,7 +91,6 @@ def slowest_mps(run: FinishedRun, train: str, from_m: float, to_m: float) -> flo
     return min(there["speed_mps"])
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("platforms", [True, False])
 def test_a_train_passes_at_its_time_and_without_a_stand_where_another_waits_for_it(
     tmp_path: Path, platforms: bool
@@ -117,7 +116,6 @@ def test_a_train_passes_at_its_time_and_without_a_stand_where_another_waits_for_
     assert passed_s == [passing[station]["departure_s"] for station in ("NIT", "OGN")]
 
 
-@pytest.mark.system
 def test_a_train_that_may_not_pass_yet_stands_and_goes_on_when_the_way_is_free(tmp_path: Path) -> None:
     run = run_of(tmp_path, leaves="07:07", arrives="07:18", passes="07:14")
     assert run.broken == ()
@@ -127,7 +125,6 @@ def test_a_train_that_may_not_pass_yet_stands_and_goes_on_when_the_way_is_free(t
     assert stood["arrival_s"] < rows(run, "1D")["KRS"]["arrival_s"]  # type: ignore[operator]
 
 
-@pytest.mark.system
 def test_who_serves_nobody_needs_no_dwell(tmp_path: Path) -> None:
     """2U, late at Ogane, leaves at once there; with passengers it would stay for the shortest dwell."""
     stays_s: dict[str, float] = {}
@@ -195,7 +192,6 @@ def through(
     return folder / "scenario.toml"
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("approach", [True, False])
 def test_a_train_runs_through_a_station_without_points_and_keeps_an_even_speed(
     tmp_path: Path, approach: bool

@@ -1,7 +1,5 @@
 """A what-if through the command: what it changed stands in its summary and in its report."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -30,7 +28,6 @@ delay_mean_s = 2.0
 """
 
 
-@pytest.mark.system
 def test_the_run_says_what_was_changed(main: Callable[..., Any], tmp_path: Path) -> None:
     (tmp_path / "heavy.toml").write_text(WHAT_IF, "utf-8")
     ended = main("run", "heavy.toml", "--json", "--out", "out")

@@ -1,7 +1,5 @@
 """A proof withdrawn while a train runs up to the points, at any time: it stops before them, or could not any more."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,8 +10,6 @@ from simulation.judge.checkers import Checker
 from simulation.judge.locking import RouteLocking
 from simulation.judge.points import ProvenPoints
 from study.runner.run import FinishedRun
-
-pytestmark = pytest.mark.system
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Whole runs with a road: trains know nothing of it but by obstacles and contact, and plain track has none."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,8 +22,6 @@ from study.evaluate.road_queueing import Closures, RoadByList
 from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
 from sumo_cfg.road_net import RoadAt
 from tests.simulation.carriers.roads import CROSSING, Detected, road_of
-
-pytestmark = pytest.mark.system
 
 SCENARIO: Final = "rtri_test_line"
 TEN_S: Final = 36_000.0  # T1's departure

@@ -2,8 +2,6 @@
 seen in time, or struck at the speed that braking leaves.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,8 +20,6 @@ from simulation.world.crossings import CrossingsOnTrack
 from study.collect.road import road_table
 from study.runner.outcome import broken_rules
 from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
-
-pytestmark = pytest.mark.system
 
 ROAD: Final = "road = { vehicles_per_h = [600.0] }"
 EMPTY: Final = "road = { vehicles_per_h = [0.0] }"

@@ -4,8 +4,6 @@ Three trains and two loops, and the layouts of SUMO's reports 17834 and 17926. T
 its certificate is switched off, or on.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 
@@ -21,8 +19,6 @@ from study.record.wait import Cause
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.nightly import others_nightly
 from wayside.said import Certified, HeldBack, NoOrderKnown
-
-pytestmark = pytest.mark.system
 
 WITHOUT: Final = ("01_one_siding", "02_two_sidings", "03_two_loops")
 WITH: Final = {

@@ -1,7 +1,5 @@
 """Staff who react put right what nothing puts right by itself, after a time of their own; else it stays as it is."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -17,14 +15,13 @@ from tests.nightly import others_nightly
 from wayside.crossing_said import CrossingOpens
 from wayside.said import ConfirmedByHand
 
-pytestmark = pytest.mark.system
-
 HEAD: Final = """
 extends = "rtri_test_line"
 id = "staff"
 name = "What staff put right"
 timetable = "rtri_two_trains"
 """
+ENDS_SOON: Final = "limits.time_limit_s = 1200.0\n"  # what nobody has put right by then stays so
 # What fails, and never heals by itself; what somebody does about it.
 FAILS: Final[dict[str, tuple[str, frozenset[ActKind]]]] = {
     "unit": (
@@ -57,14 +54,14 @@ FAILS: Final[dict[str, tuple[str, frozenset[ActKind]]]] = {
     ),
 }
 
-Fails = Callable[[str, str], FinishedRun]
+Fails = Callable[..., FinishedRun]
 
 
 @pytest.fixture
 def fails(tmp_path: Path) -> Fails:
-    def run(what: str, people: str) -> FinishedRun:
+    def run(what: str, people: str, limits: str = "") -> FinishedRun:
         file = tmp_path / "staff.toml"
-        file.write_text(f"{HEAD}people = {{ {people} }}\n{FAILS[what][0]}", "utf-8")
+        file.write_text(f"{HEAD}people = {{ {people} }}\n{limits}{FAILS[what][0]}", "utf-8")
         return run_drill(str(file), PartyLink.SIMULATED).run
 
     return run
@@ -76,7 +73,7 @@ def _acts(run: FinishedRun) -> list[Act]:
 
 @pytest.mark.parametrize("what", others_nightly(FAILS, ["unit"]))
 def test_what_nobody_sees_to_stays_as_it_is(what: str, fails: Fails) -> None:
-    result = fails(what, "react = false").result
+    result = fails(what, "react = false", ENDS_SOON).result
     assert result.unfinished
 
 
@@ -142,7 +139,7 @@ def test_what_a_mad_unit_outside_has_been_given_is_had_back(tmp_path: Path) -> N
         file = tmp_path / "mad.toml"
         file.write_text(
             'extends = "rtri_test_line"\ntimetable = "rtri_following"\nid = "mad"\nname = "mad"\n'
-            f"people.react = {react}\n"
+            f"people.react = {react}\n{ENDS_SOON}"
             '[[fault]]\nkind = "false_claims"\ntarget = "K1"\nsection = "7"\nstart = "10:04:30"\nduration_s = 30.0\n',
             "utf-8",
         )
@@ -165,7 +162,7 @@ def test_points_are_wound_for_a_train_that_has_slid_just_onto_them(
     file = tmp_path / "slid.toml"
     file.write_text(
         f'extends = "{find_drill("rtri/27_slippery_rail")}"\nid = "slid"\nname = "slid"\nexpect = []\n'
-        "people.react = true\n"
+        f"people.react = true\n{ENDS_SOON}"
         '[[patch.fault.add]]\nkind = "cut"\ntarget = "K1 -> B-W"\nstart = "10:00:41"\nduration_s = 60.0\n',
         "utf-8",
     )
@@ -202,7 +199,7 @@ def _wrong_word(tmp_path: Path, kind: ActKind) -> FinishedRun:
     file = tmp_path / "wrong.toml"
     file.write_text(
         'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "wrong"\nname = "wrong"\n'
-        "people = { react = true, sigma = 0.0 }\n"
+        f"people = {{ react = true, sigma = 0.0 }}\n{ENDS_SOON}"
         '[[fault]]\nkind = "restart"\ntarget = "block-manager"\nstart = "10:00:20"\n'
         '[[fault]]\nkind = "cut"\ntarget = "K2 -> block-manager"\nstart = "10:00:15"\nduration_s = 60.0\n'
         f'[[act]]\nkind = "{kind.value}"\ntarget = "K2"\nsections = ["10"]\nstart = "10:00:40"\n'

@@ -4,8 +4,6 @@ Limits: 1 m is asked of a stop (Oda, 2.2); 99 % within 0.35 m is this project's 
 alone may be off by (Oda, 2.2), so sightings that work cost next to nothing beyond it, in 95 % of the stops.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,8 +13,6 @@ from scenario.scenario import load_scenario
 from simulation.sensors.camera import LINE_CAMERA
 from simulation.sensors.open_air import CHIP
 from tests.system.switches_compiled import Stops, run_with
-
-pytestmark = pytest.mark.system
 
 STRESSED, SIGNS = "karasuyama_stressed", "karasuyama_vision"
 ASKED_M, NEAR_M, FOLLOWING_M = 1.0, 0.35, 0.2

@@ -23,8 +23,6 @@ from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink, execute
 from tests.nightly import A_FIFTH
 
-pytestmark = pytest.mark.system
-
 DRILL: Final = "rtri/95_substitute_working"
 # K2's unit dies as it stands in the first section, where the other end could let nobody in.
 STANDS: Final = """

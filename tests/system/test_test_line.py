@@ -1,15 +1,11 @@
 """The paper's run from section 3 to section 8 (Sugiyama et al. 2017, sections 2.2 and 5) in its journal."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-pytestmark = pytest.mark.system
 
 Entry = dict[str, Any]
 THROW_S = 6.0  # as the line file has it

@@ -1,7 +1,5 @@
 """A tachometer that errs is compared with another axle: the front stays inside its bounds from the first metre on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -12,8 +10,6 @@ from onboard.notes import TachometerFault
 from simulation.judge.checkers import Checker
 from simulation.world.premises import FalsePositions
 from study.runner.run import CarrierKind, FinishedRun
-
-pytestmark = pytest.mark.system
 
 RunWith = Callable[..., tuple[FinishedRun, set[str]]]
 

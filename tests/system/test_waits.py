@@ -1,7 +1,5 @@
 """Why a train waits, against what its unit shows its driver and against what a drill does to it."""
 
-from __future__ import annotations
-
 import re
 from bisect import bisect_right
 from collections import defaultdict
@@ -153,7 +151,6 @@ EVERY_RUN = (  # whose waits are looked at below besides
 EVERY = pytest.mark.parametrize("name", others_nightly((*DRILLS, *SHIPPED), EVERY_RUN))
 
 
-@pytest.mark.system
 @EVERY
 def test_every_stock_has_one_wait_at_every_moment(name: str) -> None:
     run = observed(name)
@@ -166,7 +163,6 @@ def test_every_stock_has_one_wait_at_every_moment(name: str) -> None:
         assert all(before.to_s == after.from_s for before, after in pairwise(waits))
 
 
-@pytest.mark.system
 @EVERY
 def test_every_wait_is_a_sentence(name: str) -> None:
     run = observed(name)
@@ -178,7 +174,6 @@ def test_every_wait_is_a_sentence(name: str) -> None:
         assert "\n" not in english + japanese
 
 
-@pytest.mark.system
 @EVERY
 def test_waits_agree_with_what_units_show(name: str) -> None:
     run = observed(name)
@@ -212,7 +207,6 @@ def the(run: Observed, unit: str, cause: Cause, **fields: object) -> Wait:
     return max(found, key=lambda wait: wait.length_s)
 
 
-@pytest.mark.system
 def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
     run = observed("rtri/03_block_held")
     wait = the(run, "K2", Cause.ROUTE_HELD, place="A")
@@ -227,7 +221,6 @@ def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
     assert "8区間をT1 (K1)が" in text_of(wait, names).ja
 
 
-@pytest.mark.system
 def test_a_manager_without_power_is_named() -> None:
     run = observed("rtri/09_manager_power")
     wait = the(run, "K2", Cause.ANSWER, reason="no power")
@@ -237,7 +230,6 @@ def test_a_manager_without_power_is_named() -> None:
     assert refused.from_s > wait.to_s
 
 
-@pytest.mark.system
 def test_points_that_do_not_move_are_named_with_their_terminal() -> None:
     run = observed("rtri/21_points_stuck")
     wait = the(run, "K1", Cause.POINTS_REFUSED)
@@ -248,7 +240,6 @@ def test_points_that_do_not_move_are_named_with_their_terminal() -> None:
     assert (slowed.section, slowed.to_s) == ("7", wait.from_s)
 
 
-@pytest.mark.system
 @pytest.mark.parametrize(
     ("drill", "unit", "cause", "fields"),
     [
@@ -267,7 +258,6 @@ def test_what_is_out_of_order_is_named(
     assert the(observed(drill), unit, cause, **fields).length_s > 1.0
 
 
-@pytest.mark.system
 def test_an_emergency_stop_is_over_when_its_driver_has_acknowledged_it() -> None:
     run = observed("rtri/05_unit_power_position_unknown")
     release_s = run.setup.unit.emergency_release_s

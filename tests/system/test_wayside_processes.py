@@ -1,7 +1,5 @@
 """The wayside devices as processes: one for each while a run lasts, none afterwards, however it ended."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -23,8 +21,6 @@ from simulation.journal import read_journal
 from study.outcome import Outcome
 from study.runner.run import PartyLink, execute
 from tests.nightly import others_nightly
-
-pytestmark = pytest.mark.system
 
 GONE_WITHIN_S = 120.0  # on a machine that does much else; beyond it the test has failed
 ENDS_WITHIN_S = 600.0  # so much a whole day may take there

@@ -1,7 +1,5 @@
 """A whole weekday of the Karasuyama line through the command: what the line's operator would look at first."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess
@@ -24,8 +22,6 @@ from study.capacity.compared import theory_and_run
 from study.capacity.occupation import OccupationPart, conflicts_of
 from study.capacity.theory import occupations
 from study.record.tables import RunTables
-
-pytestmark = pytest.mark.system
 
 LATE_S_MAX = 60.0
 STOP_ERROR_M_MAX = 1.0

@@ -1,7 +1,5 @@
 """What-ifs that cannot go well end in time, without a collision, and say who waits for what."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -10,8 +8,6 @@ from typing import Any
 import pytest
 
 from network.files.shipped import shipped_timetable
-
-pytestmark = pytest.mark.system
 
 WAITS = re.compile(r"(\w+) \((V\d)\) stands in section (\S+) at km -?\d+\.\d{3} and waits for (.+)")
 MEETS = re.compile(r"(\w+) and (\w+) would meet at Ogane at \d\d:\d\d: it has one track; .+")

@@ -1,7 +1,5 @@
 """Train rows for the tests of the vehicle package; read-only, copy before changing."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is compiled is kept and found again, and a change of anything that it depends on is taken."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from cProfile import Profile

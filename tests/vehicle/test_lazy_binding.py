@@ -1,7 +1,5 @@
 """What is compiled when it is called: its caller holds nothing of it and calls it by address."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from pathlib import Path

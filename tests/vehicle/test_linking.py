@@ -1,7 +1,5 @@
 """What of numba `vehicle.linking` rests on, and what it is for: inner functions make no machine code of their own."""
 
-from __future__ import annotations
-
 import inspect
 from importlib import import_module
 

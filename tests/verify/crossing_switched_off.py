@@ -4,8 +4,6 @@ python -m tests.verify.crossing_switched_off [NAMES ...]: each switch of level c
 the states are others than those of the crossing as it is.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from hashlib import blake2b

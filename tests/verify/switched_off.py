@@ -5,8 +5,6 @@ what the machines once did, or a mistake of `tests/planted` in a copy of the tre
 the smallest budgets first, until the set is another one.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

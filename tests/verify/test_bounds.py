@@ -1,7 +1,5 @@
 """The search for runs that leave their bounds: it finds what a mend was for when that is switched off."""
 
-from __future__ import annotations
-
 import pytest
 
 from papers.joint_faults import FAILS, Trouble, carried_in

@@ -2,8 +2,6 @@
 that count as one take the same way.
 """
 
-from __future__ import annotations
-
 from collections import Counter, deque
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What exploring a crossing whole finds: one train, and every state of device, unit, air, equipment and driver."""
 
-from __future__ import annotations
-
 from collections import Counter, deque
 
 import pytest

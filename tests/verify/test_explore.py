@@ -1,7 +1,5 @@
 """What exploring a line whole finds: that the machines are safe and alive, and what they once did wrong."""
 
-from __future__ import annotations
-
 import pytest
 
 from onboard.duty_parameters import ReleaseRule

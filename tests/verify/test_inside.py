@@ -1,7 +1,5 @@
 """Runs are inside what was explored, and deliberate defects are not."""
 
-from __future__ import annotations
-
 import pytest
 
 from scenario.part_of_day import part_of_day

@@ -1,7 +1,5 @@
 """An intruder on the air: no effect, each telegram counted; without codes he has one."""
 
-from __future__ import annotations
-
 import pytest
 
 from radio.envelope import DropReason

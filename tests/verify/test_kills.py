@@ -4,8 +4,6 @@ A killed one ends the run with its name; one that was stopped for less than the 
 a restart is as it is where telegrams are simulated. Nothing is left of any.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Callable, Iterator

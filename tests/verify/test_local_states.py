@@ -1,7 +1,5 @@
 """Nothing of a register is forgotten by which two states are told apart."""
 
-from __future__ import annotations
-
 import pytest
 from msgspec.structs import replace
 

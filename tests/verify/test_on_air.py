@@ -1,7 +1,5 @@
 """A queue that loses its head is what the envelope's check makes of a multiset with copies, in any order."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from itertools import permutations, product
 

@@ -1,7 +1,5 @@
 """A second tool explores a model made from the tables of steps, without any reduction, and finds the same states."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The checker takes a certificate that holds, and refuses one that does not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Stories of the exploration told on a running line, where SUMO and the judge find what the search found."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from shutil import copytree
 from typing import Final

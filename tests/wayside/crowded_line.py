@@ -5,8 +5,6 @@ others send trains anywhere. When a move is due says nothing of either. The sear
 with the certificate.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 

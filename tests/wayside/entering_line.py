@@ -5,8 +5,6 @@ on any track but those of the ends fouls the points beyond it. `can_finish` trie
 rule.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ A train runs its route as soon as it has it, and holds its track alone then: blo
 search without any cleverness, in which nothing is left out.
 """
 
-from __future__ import annotations
-
 import itertools
 import random
 from collections.abc import Sequence

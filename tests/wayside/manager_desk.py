@@ -2,8 +2,6 @@
 E (track), P9 (portal).
 """
 
-from __future__ import annotations
-
 from radio.keys import capability_key
 from radio.messages import (
     AnyMessage,

@@ -4,8 +4,6 @@ P0 (portal), A (points), B (track), C (between), D (points), E (track), P9 (port
 holds A and B (and stands in B), u2 holds E, u3 holds P9, u4 is off the line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 
 from radio.keys import capability_key

@@ -1,7 +1,5 @@
 """What persons may enter while the line runs, and the table of all that they can enter."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import product
 

@@ -1,7 +1,5 @@
 """A unit that is mad or whose key is stolen: two persons bar it, and it stops the line no longer; nothing is freed."""
 
-from __future__ import annotations
-
 import pytest
 
 from host.device import DeviceHost

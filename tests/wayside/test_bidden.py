@@ -1,7 +1,5 @@
 """What a dispatcher has a train do at the manager: it only keeps back, ends by itself, and is refused in words."""
 
-from __future__ import annotations
-
 import pytest
 
 from radio.messages import (

@@ -3,8 +3,6 @@
 The line, after figure 3: P0 (portal), A (points), B (track), C (between), D (points), E (track), P9 (portal).
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

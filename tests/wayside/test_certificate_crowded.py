@@ -4,8 +4,6 @@ Where the search runs out without a proof nothing is granted, and it is looked f
 again. Of a plan that has no order at all, what is planned before the time told can always be run.
 """
 
-from __future__ import annotations
-
 import random
 from math import inf
 

@@ -1,7 +1,5 @@
 """Where units contradict each other or persons were wrong: who is told, what is granted, what must be swept."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

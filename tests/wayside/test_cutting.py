@@ -1,7 +1,5 @@
 """Trains ended where they stand by order: only where allowed and worth it, and sound while nobody knows the answer."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import pytest

@@ -1,7 +1,5 @@
 """Leave to come in: who has it keeps out whom, what a restart forgets, and that nobody waits for it for ever."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """Units that say they are outside, or that they do not know, against what the manager knew of them."""
 
-from __future__ import annotations
-
 import pytest
 
 from radio.messages import (

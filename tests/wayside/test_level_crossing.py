@@ -1,7 +1,5 @@
 """The rules of a level crossing's device, state by state, and its times by hand."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The order of trains: kept while the train that is first is not too late, changed by its rule, and never for ever."""
 
-from __future__ import annotations
-
 import pytest
 from msgspec.structs import replace
 

@@ -1,7 +1,5 @@
 """Re-entry after the manager lost its memory: what persons and units say, what stops each wrong entry."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

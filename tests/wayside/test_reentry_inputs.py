@@ -1,7 +1,5 @@
 """What re-entry costs the person: inputs until the Karasuyama line is defined again, by hand and assisted."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

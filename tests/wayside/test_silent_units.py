@@ -1,7 +1,5 @@
 """Units that stay silent when the line is restored: where they stand, and what must then be swept (4.4 (4))."""
 
-from __future__ import annotations
-
 import pytest
 
 from radio.messages import (

@@ -3,8 +3,6 @@
 West end: p1 and p2 in section W, east end: q in section X.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

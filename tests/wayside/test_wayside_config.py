@@ -1,7 +1,5 @@
 """Fixed data of the devices from a line: who drives what, who may leave where."""
 
-from __future__ import annotations
-
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Direction, Line, Points, Position, Route, Section, SectionKind

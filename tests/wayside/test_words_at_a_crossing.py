@@ -1,7 +1,5 @@
 """Words at a level crossing: what persons say of trains, and contacts that were passed while it was dark."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

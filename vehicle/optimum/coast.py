@@ -79,11 +79,6 @@ def coast_on(found: CourseOnMesh, time_s: float) -> CoastRun:
     return _told(found, cruise, shut_off)
 
 
-def coast_profile(course: Course, time_s: float) -> Profile:
-    """Speed and time over position of `coast_run`."""
-    return coast_run(course, time_s).profile
-
-
 def cruise_run(course: Course, time_s: float) -> CoastRun:
     """The run that holds the lowest constant speed that is fast enough; errors as `coast_run`."""
     return cruise_on(laid_course(course), time_s)

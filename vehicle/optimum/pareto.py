@@ -83,15 +83,6 @@ class HopCurve:
         """What one more second saves, W; at a kink the least that it saves."""
         return max(self.graph.prices_w(time_s)[0], 0.0)
 
-    def upper_j(self, time_s: float) -> float:
-        """Energy on the chords, J: a run that has that mean of two solutions is no dearer where the truth is convex."""
-        if time_s < self.least_s - SAME_TIME_S or (
-            time_s > self.longest_s + SAME_TIME_S and not self.may_wait
-        ):
-            return math.inf
-        times, energies = [p.time_s for p in self.points], [p.energy_j for p in self.points]
-        return float(np.interp(time_s, times, energies))
-
 
 def curve_of(points: Iterable[ParetoPoint], *, may_wait: bool = True) -> HopCurve:
     """The curve through solutions of one hop, in any order, without those that are no better than a mean of others.

@@ -1,7 +1,5 @@
 """`[[chargers]]`: at tracks that are there, one a station; what it gives is the least of its limits."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.errors import InputError

@@ -1,7 +1,5 @@
 """`[[crossings]]`: the times of the ministry's interpretation where a line says nothing, and what is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What grows without bound in a file has an end: lists, routes, a day; and what is too short or too fast is none."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

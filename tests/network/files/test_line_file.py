@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -9,14 +7,7 @@ from network.files.line_file import load_line, parse_line
 from network.model import Direction, PointsLeg, Position, SectionKind, TagPurpose
 from network.timetable import parse_timetable
 from network.train_fit import usable_length_m, validate_train_fits
-
-SAMPLE = Path(__file__).parent.with_name("sample_line.toml").read_text(encoding="utf-8")
-
-
-def changed(old: str, new: str, count: int = 1) -> str:
-    """The sample with the first `count` places of `old` replaced; fails when there is none."""
-    assert old in SAMPLE, old
-    return SAMPLE.replace(old, new, count)
+from tests.network.sample import SAMPLE, changed
 
 
 def test_units_become_si() -> None:

@@ -1,7 +1,5 @@
 """Station lists as people write them, and each way in which one can be wrong."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

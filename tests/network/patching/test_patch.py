@@ -17,18 +17,18 @@ from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Coverage, Direction, Line, SpeedLimit
 from network.patching.patch import load_patched_line, patch_line_data
 from network.timetable import load_timetable, parse_timetable
+from tests.network.sample import SAMPLE, SAMPLE_FILE
 
-SAMPLE = Path(__file__).parent.with_name("sample_line.toml")
-DATA = tomllib.loads(SAMPLE.read_text(encoding="utf-8"))
+DATA = tomllib.loads(SAMPLE)
 
 
 def patched(toml: str) -> Line:
     """The sample with a patch as it stands in a scenario."""
-    return load_patched_line(SAMPLE, tomllib.loads(toml), "what_if.toml")
+    return load_patched_line(SAMPLE_FILE, tomllib.loads(toml), "what_if.toml")
 
 
 def test_an_empty_patch_is_the_line_itself() -> None:
-    assert patched("") == load_line(SAMPLE)
+    assert patched("") == load_line(SAMPLE_FILE)
     before = deepcopy(DATA)
     assert patch_line_data(DATA, {}, "f") == DATA
     patch_line_data(DATA, {"remove_tracks": ["A.2"], "set": {"line.max_speed_kmh": 50}}, "f")
@@ -205,7 +205,7 @@ def test_what_is_wrong_elsewhere_names_patch_and_line() -> None:
 
 def test_a_line_file_at_fault_is_named_itself(tmp_path: Path) -> None:
     path = tmp_path / "broken.toml"
-    path.write_text(SAMPLE.read_text(encoding="utf-8").replace('stem = "P"', 'stem = "Q"'), encoding="utf-8")
+    path.write_text(SAMPLE.replace('stem = "P"', 'stem = "Q"'), encoding="utf-8")
     with pytest.raises(InputError, match=r"broken\.toml: points\[0\]\.stem is 'Q'"):
         load_patched_line(path, {"remove_tracks": ["A.2"]}, "what_if.toml")
 
@@ -239,7 +239,7 @@ ROWS = st.dictionaries(st.sampled_from(["id", "km", "from_km", "a.b[0]", "alignm
 )
 def test_any_patch_gives_a_line_or_one_clear_error(values: dict[str, Any], rows: dict[str, Any]) -> None:
     try:
-        line = load_patched_line(SAMPLE, {"set": values, "add": rows}, "what_if.toml")
+        line = load_patched_line(SAMPLE_FILE, {"set": values, "add": rows}, "what_if.toml")
     except InputError as error:
         assert error.file == "what_if.toml"
         assert error.key.startswith("patch.line")

@@ -1,9 +1,6 @@
 """Taking a track out leaves the same line without it: connected, as long as before, usable both ways."""
 
-from __future__ import annotations
-
 import tomllib
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,8 +13,7 @@ from network.files.toml_input import parse_toml
 from network.graph import find_route, next_pieces, routes_from
 from network.model import Direction, Line, SectionKind
 from network.patching.track_removal import without_track
-
-SAMPLE = Path(__file__).parent.with_name("sample_line.toml").read_text(encoding="utf-8")
+from tests.network.sample import SAMPLE
 
 
 def sample() -> dict[str, Any]:

@@ -1,7 +1,5 @@
 """Between machine and telegrams: which telegram answers what, whose token is newer, whose capability goes along."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

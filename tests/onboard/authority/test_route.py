@@ -1,7 +1,5 @@
 """Rows of the table of routes: next state and actions."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

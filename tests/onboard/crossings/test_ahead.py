@@ -2,8 +2,6 @@
 at 0.75 km lies from 387 to 393 m of the path of T1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Where a unit stands with one crossing, event by event: what it says, what it may do, when it looks again."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

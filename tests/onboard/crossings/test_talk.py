@@ -1,7 +1,5 @@
 """What a unit takes from a level crossing's telegrams: answers to what it has said now, and nothing older."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

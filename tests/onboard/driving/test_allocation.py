@@ -1,7 +1,5 @@
 """How a planner's wish becomes times: windows by the timetable, margins at the end, spread, or where they save most."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

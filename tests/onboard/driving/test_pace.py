@@ -1,7 +1,5 @@
 """When a unit plans: at a departure, when it is off its plan, and not at all for a law that follows none."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

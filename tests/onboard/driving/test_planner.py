@@ -1,7 +1,5 @@
 """A plan laid metre by metre: speeds, times and modes of a profile worked out by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rows of the table of the duty for trains without a reader of tags: virtual tags, a position found anew."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from msgspec.structs import replace

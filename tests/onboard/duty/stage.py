@@ -1,7 +1,5 @@
 """The stage of the duty's tests: the run of the RTRI test line, a state for every phase, and actions."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 from msgspec.structs import replace

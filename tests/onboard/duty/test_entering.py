@@ -1,7 +1,5 @@
 """Leave to come in, on the run of the RTRI test line: asked for before the points, which are kept until it stands."""
 
-from __future__ import annotations
-
 import pytest
 from msgspec.structs import replace
 

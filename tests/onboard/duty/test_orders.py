@@ -1,7 +1,5 @@
 """A way that the dispatcher orders: taken up only if it is the one ordered, and the same as far as the train may be."""
 
-from __future__ import annotations
-
 import pytest
 from msgspec.structs import replace
 

@@ -1,7 +1,5 @@
 """A train that stands at a halt on open line, with a part of its route: nothing of that is changed under it."""
 
-from __future__ import annotations
-
 import pytest
 from msgspec.structs import replace
 

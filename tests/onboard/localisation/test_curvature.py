@@ -1,7 +1,5 @@
 """Curvature collation on the Karasuyama line: bounds that hold, where there is a fix and where none, what faults do."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

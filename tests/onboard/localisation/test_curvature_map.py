@@ -1,7 +1,5 @@
 """The map of curvature: how it is laid along a path, its file, and what is refused."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

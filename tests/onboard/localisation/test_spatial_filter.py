@@ -1,7 +1,5 @@
 """The spatial filter: what it passes, what it damps, how late it is, and that it forgets."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

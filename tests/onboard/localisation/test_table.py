@@ -1,7 +1,5 @@
 """All readers: what they make of trains that do not carry their sensors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

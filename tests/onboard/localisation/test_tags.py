@@ -1,7 +1,5 @@
 """Which tag is believed after a position fault, and when the bounds become narrow again."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

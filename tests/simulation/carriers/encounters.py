@@ -1,7 +1,5 @@
 """Trains on a passing loop that meet in all ways, carried step for step by a carrier: what it says of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

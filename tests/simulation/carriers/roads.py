@@ -1,7 +1,5 @@
 """A road over the RTRI test line's open section, in SUMO, with a detector that remembers what it was told."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The road in real SUMO: it waits for barriers alone, and a train strikes what stands."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Where a train lies on its way, by hand: pieces of the RTRI test line (1 to 300 m, points to 360 m, 3 to 470 m)."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.model import Direction

@@ -1,7 +1,5 @@
 """A run watched in sumo-gui: the same run; and where there is no window, one message."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

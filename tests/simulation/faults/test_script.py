@@ -1,7 +1,5 @@
 """Words for events, and the watch that says when a trigger has come due."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.model import Position

@@ -1,7 +1,5 @@
 """One train comes in at a time, by the truth: on the net of a loop, with trains placed by hand."""
 
-from __future__ import annotations
-
 import pytest
 
 from simulation.judge.body import Body

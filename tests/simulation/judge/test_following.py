@@ -1,7 +1,5 @@
 """How checkers follow a train: over joints, astride them, turning back, and at the edge of the net."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A train that stands with nothing to come is found, and one that waits for something is left alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -4,8 +4,6 @@ The train of the stage is 40 m long; its brake is guaranteed to give 1 m/s^2 aft
 10 + 50 = 60 m, and 50 m on it is down to sqrt(100 - 2 x 40) = 4.5 m/s. It stands in W, 300 m long, before points 1.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from network.model import Position

@@ -1,7 +1,5 @@
 """The pilot's rule, with trains and words placed by hand: who comes into a section, and by whose leave."""
 
-from __future__ import annotations
-
 import pytest
 
 from simulation.events import CutIn, CutOut, ProcedureStep

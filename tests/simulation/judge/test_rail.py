@@ -3,8 +3,6 @@
 The stage's trains are guaranteed to stop in 1 s + v / (1 m/s^2), down to 0.8 of the dry rail's adhesion.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from network.model import Position

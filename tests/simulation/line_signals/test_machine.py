@@ -1,7 +1,5 @@
 """The machine of line signals: what it lets, what its detectors hold, and what it does not see."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Final
 

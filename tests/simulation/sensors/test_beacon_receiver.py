@@ -1,7 +1,5 @@
 """The receiver of beacons: what it notices, how far off, and what its faults make of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The rendered camera against the paper's measurements and plain optics, and the error model against the renderer."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

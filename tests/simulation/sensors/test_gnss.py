@@ -1,7 +1,5 @@
 """The satellite receiver: errors that last, reflections by place and hour, tunnels, latency and faults."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The LiDAR of line runs: when it looks, where it sees markers within a step, and what hides them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

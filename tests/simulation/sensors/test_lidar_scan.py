@@ -1,7 +1,5 @@
 """The scan: where its points lie, when, how much of the field it covers, and what reads brighter than white."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The committed error model of LiDARs against scans made anew, within what samples differ by."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The committed error model against images rendered anew, place by place, within what samples differ by."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

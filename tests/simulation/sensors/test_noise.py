@@ -1,7 +1,5 @@
 """Counted noise: the same whatever else was drawn before, and spread as it should be."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

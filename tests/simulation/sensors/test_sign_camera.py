@@ -1,7 +1,5 @@
 """The cameras of line runs: frames while a sign is in range, by the figures of the light of the hour."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Tags read bit by bit in a line run: by the reader's own rules, with the errors of table 7."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.units import mps

@@ -1,7 +1,5 @@
 """The yaw gyro: the body's own motion, its noise and bias, and what faults make of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

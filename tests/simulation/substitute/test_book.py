@@ -1,7 +1,5 @@
 """The book of a section: each step is next only when all that its rule needs is in it, and never twice."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import pytest

@@ -1,7 +1,5 @@
 """Where a train has called is judged by where it truly stands; what its unit believes is never asked."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The pantograph at a charger, step by step."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The batteries of a run as the world keeps them: clocks, chargers that fail, pantographs, and what is off the line."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """Stretches that the radio does not reach: on all tracks beside each other, and nowhere else."""
 
-from __future__ import annotations
-
 from network.model import Direction
 from network.path import path_of
 from simulation.faults.links import LineStretch

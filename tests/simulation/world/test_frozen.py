@@ -1,7 +1,5 @@
 """A frozen party does nothing, and finds later what has come to it meanwhile, in its order; one that dies, nothing."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any, cast
 

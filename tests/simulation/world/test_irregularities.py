@@ -1,7 +1,5 @@
 """Rails as laid: their spectrum, that every path meets the same, and what changes with day and seed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The compiled loop on the plain carrier: a unit driven by hand from A to the arrival points of B."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The world's one door to a unit: what it tells, and that it writes nothing of what a unit believes."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path

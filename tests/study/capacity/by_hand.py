@@ -7,8 +7,6 @@ driver's 1.2 m/s, 11.3 m/s, and 0.6 m/s2 down to its marks. Telegrams take 0.1 s
 Up to 11.3 m/s: 11.3 s, 63.845 m. Down from it: 18.833 s, 106.408 m. Fronts in m from the mark that the train leaves.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from scenario.scenario import load_scenario

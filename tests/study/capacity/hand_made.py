@@ -4,8 +4,6 @@ Times are s. A train is let into a section SET_S before it starts, and what it l
 to the next place (a place that it leaves: after it has started).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

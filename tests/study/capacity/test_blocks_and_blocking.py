@@ -1,7 +1,5 @@
 """The tables `blocks` and `blocking` of one run say the same, and what the journal says."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

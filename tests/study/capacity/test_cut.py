@@ -1,7 +1,5 @@
 """Ways to cut a line: what belongs to which part."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.errors import InputError

@@ -4,8 +4,6 @@ Both run as fast as units drive and stand no longer than they must. Then the sec
 greatest of its headways to it is kept, and a second less makes it late.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Generator, Iterable, Iterator
 from contextlib import contextmanager

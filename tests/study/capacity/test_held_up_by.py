@@ -1,7 +1,5 @@
 """A little line of one's own (docs/make-a.md): what a headway is said to cost is what it moves by, and termini."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Standard paths, the day with them judged, virtual blocks, what equipment is worth: on a few trains of a real line."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise

@@ -4,8 +4,6 @@ Line and times are not those of the hand calculation in docs/capacity.md, but it
 the order of its trains, how long after each the next one can be let in; by theory's blocking times, two at a time.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

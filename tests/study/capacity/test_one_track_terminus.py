@@ -4,8 +4,6 @@ Asa, Mori with two tracks, Kawa: the example line at 47.52 km/h, its marks as fa
 each run is 3,000 m, however it turned. The train is the stone of `by_hand`, which moves a second after the word.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Final

@@ -1,7 +1,5 @@
 """Blocking times of theory: two blocks by hand, the parts and the whole, what moves what."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

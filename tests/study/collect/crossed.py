@@ -1,7 +1,5 @@
 """A journal of level crossings, whose figures are counted by hand: seconds from midnight."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from onboard.notes import Moving

@@ -1,7 +1,5 @@
 """Tables of batteries from records made by hand: power between two, the balance, and the least charge that does."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 Nothing here uses what compares: polars joins, sums and counts, on the Parquet files as they lie there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import product
 from pathlib import Path

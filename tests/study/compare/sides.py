@@ -1,7 +1,5 @@
 """Made-up runs to compare: the made-up weekday, with tables that a test has changed."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Where the inputs of two runs differ, by file and key, and whose patch wrote it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

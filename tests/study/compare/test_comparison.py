@@ -1,7 +1,5 @@
 """What a comparison says in sentences, writes into files and draws."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -1,7 +1,5 @@
 """Meets as run: fronts that pass on the true courses, and what became of each in another run."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import polars as pl

@@ -1,7 +1,5 @@
 """Five pairs of runs: each difference that is told is the one that a direct computation from the tables gives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Drills: every one shipped on the test line is met, is the same each time and with real processes."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -173,7 +171,7 @@ def test_a_stock_that_never_finishes_its_last_duty_has_not_arrived(
 
     monkeypatch.setattr(Duties, "_leave", left_alone)
     late = '[[fault]]\nkind = "delay"\ntarget = "* -> K1"\nstart = "09:50:00"\nseconds = 0.1\n'
-    drill = drill_of(tmp_path, late, 'timetable = "rtri_two_trains"\n')
+    drill = drill_of(tmp_path, late, 'timetable = "rtri_two_trains"\nlimits.time_limit_s = 600.0\n')
     assert drill.run.result.ended_because == "the time limit of the run"
     assert drill.run.summary["trains_arrived"] == drill.run.summary["trains_planned"]
     assert drill.run.result.unfinished == ("K1",)

@@ -1,7 +1,5 @@
 """Sweeps: a forked run is the run of the drill at that time, classes are told, and what is bad can be replayed."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """What the grid of telegrams leaves out is the run of an instant that it has, or of none of its faults."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from hashlib import blake2b

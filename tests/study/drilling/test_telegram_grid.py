@@ -1,7 +1,5 @@
 """The grid of telegrams: instants lie round telegrams, faults come beside a drill's own, and what is bad replays."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The budget of a certificate, and that the days of its bench are days: everybody gets to the end."""
 
-from __future__ import annotations
-
 import pytest
 
 from study.evaluate import certificate, manager_day

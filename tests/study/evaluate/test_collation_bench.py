@@ -1,7 +1,5 @@
 """The budgets of collation: what is over them is said to be."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

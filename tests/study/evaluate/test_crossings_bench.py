@@ -1,7 +1,5 @@
 """What is measured is the line with crossings as said, and what the figures come to."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Late days in blocks and minutes: every rule has the same days, and all trains come to their ends."""
 
-from __future__ import annotations
-
 import pytest
 
 from study.evaluate import order_of_trains

@@ -1,7 +1,5 @@
 """Queueing by hand, and the road in real SUMO beside it."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What commands cost beside the day: the figures of the rounds, and a child that tells the day from the rest."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

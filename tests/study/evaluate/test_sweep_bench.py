@@ -1,7 +1,5 @@
 """What a sweep's day costs: ratios of medians against budgets, and a real sweep of a few days."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -5,8 +5,6 @@ stop). D goes down from the portal at Asahi, becomes U, and goes back up and off
 at Edogawa and W at Izumi; W follows D 32 minutes behind and stays at Kasumi.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

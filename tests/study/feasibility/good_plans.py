@@ -5,8 +5,6 @@ by chance. Everything that it uses is kept in a book of who has what from when t
 set for which the book has no room is tried again at another time, and left out in the end.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 

@@ -1,7 +1,5 @@
 """Good plans with something in them moved by chance: some still work, some do not, and nobody has said which."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from network.errors import InputError

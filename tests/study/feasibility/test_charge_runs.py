@@ -1,7 +1,5 @@
 """Runs as the check of the batteries reckons with them: at their own mean power, whatever their sign."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

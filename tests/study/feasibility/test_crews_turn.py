@@ -1,7 +1,5 @@
 """Crews' least turn: a set's next train begins no sooner, as `check` says, `arrange` plans and a run does."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

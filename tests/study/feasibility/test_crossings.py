@@ -1,7 +1,5 @@
 """What `check` says of level crossings, by hand: 12.5 m/s all along the test line."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Two trains that are to come in at once: how long one keeps the other out, by hand and as `headway`, `check` say."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Where trains get to know where they are, by what they carry, and which stops their drivers have to make on sight."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

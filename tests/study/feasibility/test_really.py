@@ -3,8 +3,6 @@
 The two know nothing of each other: the check reads plans, the run has units, radio and SUMO.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -37,11 +35,6 @@ def latest_s(result: RunResult) -> float:
     """The worst lateness of any arrival or departure, s."""
     times = [(stop.arrival_s, stop.planned_arrival_s) for stop in result.stops]
     times += [(stop.departure_s, stop.planned_departure_s) for stop in result.stops]
-    return max((is_s - due_s for is_s, due_s in times if is_s is not None and due_s is not None), default=0.0)
-
-
-def late_at_arrival_s(result: RunResult) -> float:
-    times = [(stop.arrival_s, stop.planned_arrival_s) for stop in result.stops]
     return max((is_s - due_s for is_s, due_s in times if is_s is not None and due_s is not None), default=0.0)
 
 

@@ -1,7 +1,5 @@
 """New files: they are valid, run as they stand, and leave nothing behind where they cannot be."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from itertools import pairwise

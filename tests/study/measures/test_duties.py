@@ -1,7 +1,5 @@
 """What each set runs over the day, from the plan and from a run."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Figures of localisation, from tables made by hand."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

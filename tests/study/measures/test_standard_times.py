@@ -1,7 +1,5 @@
 """Minimum running times: what physics says of them, and of the margins of a timetable with passings."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

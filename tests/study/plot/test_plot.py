@@ -1,7 +1,5 @@
 """Every kind of plot of real runs, in both languages: written whole, the same each time, with no text cut."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 from pathlib import Path

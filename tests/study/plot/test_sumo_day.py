@@ -1,7 +1,5 @@
 """A scenario in plain SUMO: it runs to the end without a warning, trains where and when the timetable has them."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

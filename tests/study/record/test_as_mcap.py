@@ -1,7 +1,5 @@
 """A run as MCAP, opened with the package's own reader: every entry and sample, in order, each by its schema."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The day as it was run: true times in whole seconds, and only as far as trains came."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from exchange.oudia.nodes import parse_oudia

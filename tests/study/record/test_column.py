@@ -1,7 +1,5 @@
 """A column of margins, a field of its row's type and its value: report, comparison and its files have it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

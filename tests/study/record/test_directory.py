@@ -1,7 +1,5 @@
 """Run directories: reserved, filled out of sight, put in place whole; what is cut short keeps what there was."""
 
-from __future__ import annotations
-
 import errno
 import signal
 import subprocess

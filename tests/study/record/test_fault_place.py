@@ -1,7 +1,5 @@
 """Where a fault is on the graph: a stretch of line, or the train that has it; what is nowhere has the whole line."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A day of many trains on the busy line: its own timetable again and again, every run a little different."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import count
 from typing import Final

@@ -1,7 +1,5 @@
 """Reading a report as its modules do."""
 
-from __future__ import annotations
-
 import re
 from html.parser import HTMLParser
 from typing import Any

@@ -1,7 +1,5 @@
 """A drill in the report: numbered marks on the graph that stay apart, rows under it, verdicts in words."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The duty graph: every train drawn, no text over another, none cut off."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import combinations
 

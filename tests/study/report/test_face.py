@@ -1,7 +1,5 @@
 """The page brings the Japanese characters that it shows."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
 from importlib.resources import files

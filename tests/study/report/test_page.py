@@ -1,7 +1,5 @@
 """The page as a file: 500 trains in a megabyte, nothing asked of any host, no name that becomes markup."""
 
-from __future__ import annotations
-
 import json
 import re
 from base64 import b64decode

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned, StopDecelerations, search

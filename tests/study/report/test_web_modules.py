@@ -1,7 +1,5 @@
 """The page's modules, run by Node where there is one: they are plain ES modules and need no browser."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 from shutil import which

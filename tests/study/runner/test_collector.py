@@ -1,7 +1,5 @@
 """The collector of circles runs rarely while a day runs, and as before afterwards."""
 
-from __future__ import annotations
-
 import gc
 from collections.abc import Iterator
 

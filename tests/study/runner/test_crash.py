@@ -1,7 +1,5 @@
 """A bug in the loop, planted by name: exit code 70, one line that says what and when, the journal so far on disk."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Late days as they run: what is drawn happens to the train that it names, and nothing else changes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

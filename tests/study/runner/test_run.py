@@ -1,7 +1,5 @@
 """Running a scenario: what makes a run a failure, and the run directory, whole or not at all."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from dataclasses import replace

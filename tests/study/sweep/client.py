@@ -1,7 +1,5 @@
 """A client of a sweep as a process of its own, so that it can be killed: arguments are FILE OUT ADDRESS."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A small sweep, and its directory in which days can be held."""
 
-from __future__ import annotations
-
 import gc
 import os
 import select

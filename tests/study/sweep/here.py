@@ -1,7 +1,5 @@
 """A sweep of planted days in this process, and the table that is on disk."""
 
-from __future__ import annotations
-
 from collections.abc import Generator, Iterator
 from pathlib import Path
 

@@ -4,8 +4,6 @@ What is asked for lies in a folder beside the sweep's directory, by the number o
 day reads from once, after it has said on the pipe `begun` its number and which process has it at hand.
 """
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from contextlib import suppress

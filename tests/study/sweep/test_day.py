@@ -1,7 +1,5 @@
 """A day of a sweep is the day of `branchline run`, whatever ran in its process before."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import fields, replace
 from typing import Any, Final

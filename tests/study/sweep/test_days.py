@@ -1,7 +1,5 @@
 """Real days of a sweep by the command: the table, the report, a day that is run again, and an interruption."""
 
-from __future__ import annotations
-
 import csv
 import os
 import re

@@ -1,7 +1,5 @@
 """Processes of this machine: a day is run once, whoever dies; what is there is not run again."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

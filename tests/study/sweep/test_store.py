@@ -1,7 +1,5 @@
 """The directory of a sweep: what does not count is named and run again, and nobody's work is overwritten."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

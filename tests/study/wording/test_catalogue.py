@@ -1,7 +1,5 @@
 """Labels stand once, in the catalogue: what code, page and pictures say is in it, and nothing else is."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

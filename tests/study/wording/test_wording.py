@@ -1,7 +1,5 @@
 """Whatever a report says of typed facts it says in Japanese too: a new event, fault, reason or figure without fails."""
 
-from __future__ import annotations
-
 import ast
 import re
 import tomllib

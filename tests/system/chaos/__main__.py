@@ -3,8 +3,6 @@
 Prints a line for each kind of outcome, and writes the first cases of each kind that fails as drills, made small.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

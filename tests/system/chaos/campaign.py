@@ -1,7 +1,5 @@
 """Many cases, one after the other, and what they come to in figures."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -11,9 +9,11 @@ from typing import Final
 from tests.system.chaos.case import Case
 from tests.system.chaos.families import Family
 from tests.system.chaos.generator import case_of
+from tests.system.chaos.replay import shrunk, slug, write
 from tests.system.chaos.run_one import Outcome, outcome_of, undisturbed
 
 LONG_S: Final = 10.0
+KEPT: Final = 3
 Seen = Callable[[Case, Outcome], bool]  # whether to go on
 
 
@@ -80,4 +80,19 @@ def campaign(
             figures.stopped_s.append(max(0.0, outcome.stopped_s - planned_s))
         if seen is not None and not seen(case, outcome):
             break
+    return figures
+
+
+def none_fails(family: Family, seeds: range, nets: Path, found: Path, *, swarm: bool = False) -> Figures:
+    """As `campaign`, of cases that all end well: the first that do not are made small and left below `found`."""
+    written: list[Path] = []
+
+    def keep(case: Case, outcome: Outcome) -> bool:
+        if not outcome.fine and len(written) < KEPT:
+            small, ended = shrunk(case, outcome.kind, nets)
+            written.append(write(small, ended, found / slug(outcome.kind)))
+        return True
+
+    figures = campaign(family, seeds, nets, keep, swarm=swarm)
+    assert not figures.failed, f"{figures}\n{figures.by_kind()}made small: {', '.join(map(str, written))}"
     return figures

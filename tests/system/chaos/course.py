@@ -1,7 +1,5 @@
 """How a ground's trains run when nothing fails: when they move, and which events a fault may wait for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Contacts lie on the open section of their crossing, so that every train passes t
 warn.
 """
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 from network.model import Line, Piece, SectionKind

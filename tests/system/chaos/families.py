@@ -2,8 +2,6 @@
 crossings.
 """
 
-from __future__ import annotations
-
 from enum import Enum
 from functools import cache
 from typing import Any, Final

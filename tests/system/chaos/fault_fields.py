@@ -3,8 +3,6 @@
 A field is drawn between the bounds of its own schema, or in the part of them that is stated here with its reason.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, Final

@@ -9,8 +9,6 @@ in the table of faults; fields come from its own schema. Each lasting fault is o
 an hour is enough for what it left to be put right.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any, Final

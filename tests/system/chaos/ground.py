@@ -1,7 +1,5 @@
 """Where cases happen: a scenario without any fault, as the files that make it, and how it runs undisturbed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -3,8 +3,6 @@
 Stations, points and portals have the measures of the busy line, tags lie by the rule of `network.tag_layout`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """How many random cases it takes to find a planted defect: that random runs find nothing says only so much."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A case that fails, made small and written as a drill that needs nothing of this folder: it has what staff did."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace

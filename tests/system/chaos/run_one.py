@@ -1,7 +1,5 @@
 """Run one case on the simulated link, in this process, and say what became of it: no tables, no report."""
 
-from __future__ import annotations
-
 import re
 import secrets
 import tempfile

@@ -3,8 +3,6 @@
 A generator that never leads into a situation shows nothing about it, however many of its cases end well.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from types import MappingProxyType
 from typing import Final

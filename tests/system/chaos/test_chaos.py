@@ -4,8 +4,6 @@ A slice in every test, all of them in `make nightly`; each chunk leaves a line o
 is made small and left as a drill; once its cause is mended it is kept in `replays/`, which are run here one by one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -18,13 +16,8 @@ from simulation.judge.checkers import Checker
 from study.drilling.drill import run_drill
 from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
-from tests.system.chaos.campaign import campaign
-from tests.system.chaos.case import Case
+from tests.system.chaos.campaign import none_fails
 from tests.system.chaos.families import Family
-from tests.system.chaos.replay import shrunk, slug, write
-from tests.system.chaos.run_one import Outcome
-
-pytestmark = pytest.mark.system
 
 SLICE: Final = (
     (Family.TEST_LINE, 0, 4),
@@ -80,20 +73,10 @@ Record = Callable[[str, object], None]
 
 
 def _run(family: Family, low: int, high: int, nets: Path, found: Path, record: Record) -> None:
-    written: list[Path] = []
-
-    def keep(case: Case, outcome: Outcome) -> bool:
-        if not outcome.fine and len(written) < 3:
-            small, ended = shrunk(case, outcome.kind, nets)
-            written.append(write(small, ended, found / slug(outcome.kind)))
-        return True
-
-    figures = campaign(family, range(low, high), nets, keep)
+    figures = none_fails(family, range(low, high), nets, found)
     record("figures", f"chaos, {family.value} {low} to {high - 1}: {figures}")
     assert figures.runs == high - low
     assert figures.faults >= figures.runs
-    failed = figures.failed
-    assert not failed, f"{figures.by_kind()}made small: {', '.join(map(str, written))}"
 
 
 def _ids(chunk: tuple[Family, int, int]) -> str:

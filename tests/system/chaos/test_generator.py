@@ -1,7 +1,5 @@
 """What is drawn: the same for the same seed, of every kind there is, within every bound, and always over in time."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 from typing import Any, Final
@@ -23,8 +21,6 @@ from tests.system.chaos.families import LINES, TIMETABLES, Family, ground_of
 from tests.system.chaos.fault_fields import RANGES, bounds_of, fields_of
 from tests.system.chaos.generator import BEFORE_S, DURATION_S, FAULTS_MAX, WINDOW_S, case_of
 from tests.system.chaos.run_one import Verdict, outcome_of, undisturbed
-
-pytestmark = pytest.mark.system
 
 SEEDS: Final = range(150)
 
@@ -118,10 +114,13 @@ def test_a_ground_runs_when_nothing_fails(ground: tuple[Family, int], nets: Path
     assert len(course.events) > 15
 
 
+SHORT: Final = {"limits": {"time_limit_s": 600.0}}
+
+
 def test_a_train_that_waits_outside_for_ever_is_no_success(nets: Path) -> None:
     """Its place is no section."""
     off = {"kind": "power_off", "target": "block-manager", "start": "09:59:00"}
-    outcome = outcome_of(Case("waits_outside", ground_of(Family.TEST_LINE, 0), faults=(off,)), nets)
+    outcome = outcome_of(Case("waits_outside", ground_of(Family.TEST_LINE, 0), SHORT, (off,)), nets)
     assert outcome.verdict is Verdict.NOT_ARRIVED
     assert "(outside, last " in outcome.kind
 
@@ -130,6 +129,6 @@ def test_a_train_that_never_heals_is_no_success(nets: Path) -> None:
     """The judgement can fail: without its duration a fault of power leaves a train where it is."""
     ground = ground_of(Family.TEST_LINE, 0)
     off = {"kind": "power_off", "target": "K1", "start": "10:00:20"}
-    outcome = outcome_of(Case("never_heals", ground, faults=(off,)), nets)
+    outcome = outcome_of(Case("never_heals", ground, SHORT, (off,)), nets)
     assert outcome.verdict is Verdict.NOT_ARRIVED
     assert any("K1" in detail for detail in outcome.details)

@@ -4,8 +4,6 @@ Not all: what only a party that misbehaves could bring out, random faults cannot
 the draws; the limits here are several times that.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 
@@ -16,8 +14,6 @@ from tests.nightly import others_nightly
 from tests.system.chaos.families import Family
 from tests.system.chaos.planted import Found, found_by
 from tests.system.conftest import SWITCHES
-
-pytestmark = pytest.mark.system
 
 # A behaviour that is taken away, and words of what then goes wrong.
 AT_ONCE: Final = {

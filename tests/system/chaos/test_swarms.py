@@ -1,7 +1,6 @@
 """Swarms: cases that leave out half of what could fail, with a fault a minute at least, and all that they come to."""
 
-from __future__ import annotations
-
+from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
@@ -10,15 +9,10 @@ import pytest
 
 from simulation.faults.table import FAULTS
 from tests.nightly import others_nightly
-from tests.system.chaos.campaign import Figures, campaign
-from tests.system.chaos.case import Case
+from tests.system.chaos.campaign import none_fails
 from tests.system.chaos.families import Family
 from tests.system.chaos.generator import FAULTS_MAX, case_of
-from tests.system.chaos.replay import shrunk, slug, write
-from tests.system.chaos.run_one import Outcome
 from tests.system.chaos.sometimes import ALL, come_to
-
-pytestmark = pytest.mark.system
 
 SLICE: Final = ((Family.TEST_LINE, 0, 6),)
 CHUNKS: Final = (
@@ -28,31 +22,18 @@ CHUNKS: Final = (
 )
 
 
-def _campaign(family: Family, low: int, high: int, nets: Path, found: Path) -> Figures:
-    written: list[Path] = []
-
-    def keep(case: Case, outcome: Outcome) -> bool:
-        if not outcome.fine and len(written) < 3:
-            small, ended = shrunk(case, outcome.kind, nets)
-            written.append(write(small, ended, found / slug(outcome.kind)))
-        return True
-
-    figures = campaign(family, range(low, high), nets, keep, swarm=True)
-    assert not figures.failed, f"{figures.by_kind()}made small: {', '.join(map(str, written))}"
-    return figures
-
-
 @pytest.mark.parametrize("chunk", others_nightly((*SLICE, *CHUNKS), SLICE))
 def test_swarms_end_well(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path) -> None:
-    _campaign(*chunk, nets, tmp_path)
+    family, low, high = chunk
+    none_fails(family, range(low, high), nets, tmp_path, swarm=True)
 
 
 @pytest.mark.nightly
 def test_swarms_come_to_everything_that_is_meant(nets: Path, tmp_path: Path) -> None:
-    test_line = _campaign(Family.TEST_LINE, 0, 300, nets, tmp_path)
-    hour = _campaign(Family.HOUR, 0, 40, nets, tmp_path)
-    crossed = _campaign(Family.CROSSINGS, 0, 60, nets, tmp_path)
-    came = test_line.came + hour.came + crossed.came
+    parts = (Family.TEST_LINE, 300), (Family.HOUR, 40), (Family.CROSSINGS, 60)
+    came = Counter[str]()
+    for family, count in parts:
+        came += none_fails(family, range(count), nets, tmp_path, swarm=True).came
     assert [name for name in ALL if not came[name]] == []
 
 

@@ -5,8 +5,6 @@ circle of trains that wait for each other is longer than the trains that there a
 train a direction runs, and they pass each other at a loop.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

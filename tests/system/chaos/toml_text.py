@@ -1,7 +1,5 @@
 """Tables as the text of a TOML file: what the cases of this folder are written in, and read again from."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from typing import Any

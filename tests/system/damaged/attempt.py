@@ -1,7 +1,5 @@
 """One damaged input through the command, in this process, and what is wrong with how it ended."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

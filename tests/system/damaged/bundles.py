@@ -1,7 +1,5 @@
 """Whole input of a command, every file of it valid and every table of every schema in it: what is damaged."""
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

@@ -4,8 +4,6 @@ Plain `random` with the number of the case as its seed, and not hypothesis: a ca
 slice of every change as in the two thousand of the night.
 """
 
-from __future__ import annotations
-
 import codecs
 import random
 from collections.abc import Callable

@@ -4,8 +4,6 @@ The kinds come from the schemas and their ranges from the table that `docs/files
 found here by itself. A figure accepted is held against its range here once more, without the code that reads files.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from copy import deepcopy

@@ -3,8 +3,6 @@
 `pytest -m nightly` tries all; every change a slice. A case is `case_of(number)`, so what fails is found again.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections import Counter
 from collections.abc import Callable

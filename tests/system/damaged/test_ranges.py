@@ -3,8 +3,6 @@
 Each range can be switched off by name, and then the figures of that kind are found to be taken outside of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """What is taken with a figure at the end of its range can be run: it ends, with a code that means something."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -14,8 +12,6 @@ from tests.system.damaged import attempt
 from tests.system.damaged.attempt import GOOD, put, told
 from tests.system.damaged.bundles import SCENARIO
 from tests.system.damaged.damages import Case, case_of
-
-pytestmark = pytest.mark.system
 
 SLICE: Final = (0,)
 NUMBER: Final = 50

@@ -1,7 +1,5 @@
 """A sweep that must find nothing bad."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """One round trip of the Karasuyama line: single faults of every kind, so that every few seconds something fails."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -15,7 +13,7 @@ from study.drilling.moving import single_faults, staffed
 
 Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
-pytestmark = [pytest.mark.system, pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
+pytestmark = [pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
 
 EVERY_S: Final = 30.0  # of one fault; all of them take half an hour on two processors
 

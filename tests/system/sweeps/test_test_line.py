@@ -1,7 +1,5 @@
 """Every second of the test line's runs: single faults of every kind, every drill, every tenth of each departure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
@@ -21,7 +19,7 @@ from wayside.said import Leaving
 
 Sweeps = Callable[[Scenario, Sequence[Variation], InstantWindow], list[str]]
 
-pytestmark = [pytest.mark.system, pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
+pytestmark = [pytest.mark.nightly, pytest.mark.timeout(6 * 3600)]
 
 WORDS: Final = frozenset({ActKind.CONFIRM_OUTSIDE, ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION})
 

@@ -1,7 +1,5 @@
 """What the bound takes of the laws is above them: the electric brake on each cell, the ceiling of the speed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from vehicle.optimum import Course, TooShort, least_energy, least_time
 from vehicle.optimum.coast import (
     coast_down,
-    coast_profile,
     coast_run,
     cruise_run,
     cruising_run,
@@ -102,5 +101,5 @@ def test_more_time_never_costs_more(gradients: list[float], stretch: float) -> N
 def test_a_time_too_short_names_the_least() -> None:
     least_s = float(least_time(COURSES["level"]).time_s[-1])
     with pytest.raises(TooShort) as short:
-        coast_profile(COURSES["level"], least_s - 1.0)
+        coast_run(COURSES["level"], least_s - 1.0)
     assert short.value.least_s == pytest.approx(least_s)

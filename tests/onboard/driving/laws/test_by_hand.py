@@ -1,7 +1,5 @@
 """A handle at full power, or anywhere: what lies outside brakes for limits, and nothing passes the stop limit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """The law `driver`: habits that are drawn, how they show on a hop, and how much drivers scatter."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

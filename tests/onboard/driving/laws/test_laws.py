@@ -1,7 +1,5 @@
 """Driving laws in the tick, on plain track: what they ask for, and what lies outside them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Any

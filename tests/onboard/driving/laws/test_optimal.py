@@ -1,7 +1,5 @@
 """The law that drives an optimal profile: what it asks for in each mode of its plan, and while TASC brakes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

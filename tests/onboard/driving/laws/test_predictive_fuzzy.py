@@ -1,7 +1,5 @@
 """Predictive fuzzy ATO in the tick: which rule wins when, what is without it, and any train's notches."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
