@@ -55,8 +55,8 @@ class _Crossing:
         self.heard, self.heard_s = state, t_s
 
     def known(self, now_s: float) -> RoadState:
-        """A word holds as long as a proof does; one that it is open also while no unit is announced that it answers, of a
-        crossing that nothing but units close.
+        """A word holds as long as a proof does; where units alone close it, one that it is open also while no unit is
+        announced that it answers.
         """
         if self.heard_s is None:
             return RoadState.UNHEARD
