@@ -54,7 +54,7 @@ def equipment(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Find the cheapest equipment for so many trains an hour, evenly spaced: loops, points, limits, radio, release, virtual blocks.
+    """Find the cheapest equipment for so many evenly spaced trains an hour: loops, points, limits, radio, release, blocks.
 
     Every choice is computed, each least interval proven. Costs are assumed (a loop: 100) unless --cost says others.
     """

@@ -182,9 +182,7 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
     assert late_stretches(to_b, plan) == (LateStretch(1290.0, 5900.0, over=False),)
     assert late_stretches(to_b, plan, 1280.0) == ()  # as far as the run has come
     begun = [replace(ON_TIME[0], stated_late_s=60.0), stop("1", "B", (None, 1230.0), (None, 1230.0))]
-    assert late_stretches(begun, plan)[-1] == LateStretch(
-        1560.0, 5900.0, over=False
-    )  # by order from B
+    assert late_stretches(begun, plan)[-1] == LateStretch(1560.0, 5900.0, over=False)  # by order from B
 
 
 def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None:
