@@ -26,7 +26,6 @@ from study.runner.collector import collecting_rarely
 
 UPDATES_EVERY_S: Final = 0.095  # a little under what is wanted, ten a second
 WAITING_MAX: Final = 256  # requests
-LOOKS_EVERY_S: Final = 3600.0  # a run whose next step is due later than that: no clock waits for ever
 
 Take = Callable[[DeskAnswer], None]
 
@@ -149,11 +148,7 @@ class LiveDesk:
                 w for w in (wait_s, shown_s + UPDATES_EVERY_S - now_s if stale else None) if w is not None
             ]
             try:
-                asked = (
-                    self._queue.get(timeout=min(max(min(until_s), 0.0), LOOKS_EVERY_S))
-                    if until_s
-                    else self._queue.get()
-                )
+                asked = self._queue.get(timeout=max(min(until_s), 0.0)) if until_s else self._queue.get()
             except Empty:
                 continue
             if asked is None:

@@ -12,6 +12,7 @@ from simulation.setup import STEPS_PER_S
 
 FASTEST: Final = 60.0  # times real time
 BEHIND_MAX_S: Final = 0.5  # of the clock on the wall
+LOOKS_EVERY_S: Final = 3600.0  # where the next step is due later than that: no clock waits for ever
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,4 +46,5 @@ class Pacer:
             return 0.0
         if self.factor == 0.0:
             return None
-        return max(self.since_s + (step + 1 - self.step) / (self.factor * STEPS_PER_S) - now_s, 0.0)
+        next_s = self.since_s + (step + 1 - self.step) / (self.factor * STEPS_PER_S)
+        return min(max(next_s - now_s, 0.0), LOOKS_EVERY_S)

@@ -79,18 +79,6 @@ def test_who_asks_too_much_at_once_is_told_so_and_the_run_does_not_wait(two_trai
     assert all("busy" in answer.why for answer in said)
 
 
-def test_a_pace_that_is_next_to_nothing_is_one(two_trains: Scenario) -> None:
-    """Its next step is due in 300,000 years, and no clock can wait so long."""
-    visitor = Visitor(two_trains)
-    visitor.live.start()
-    try:
-        assert visitor.ask(SetPace(factor=1e-14)).good
-        assert visitor.ask(SetPace(factor=0.0)).good
-    finally:
-        visitor.live.stop()
-    assert visitor.live.error is None
-
-
 def test_whoever_asks_something_of_a_run_that_breaks_off_is_answered(
     two_trains: Scenario, monkeypatch: pytest.MonkeyPatch
 ) -> None:

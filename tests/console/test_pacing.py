@@ -1,5 +1,7 @@
 """Where a paced run is to be, by a clock that is given."""
 
+from threading import TIMEOUT_MAX
+
 from console.pacing import BEHIND_MAX_S, Pacer
 
 
@@ -30,3 +32,9 @@ def test_at_its_goal_it_stands() -> None:
     assert pacer.due(5.0) == 300
     assert pacer.at(250, 6.0) is pacer
     assert pacer.at(300, 7.0) == Pacer(0.0, 300, 7.0)
+
+
+def test_a_pace_that_is_next_to_nothing_asks_no_clock_to_wait_longer_than_it_can() -> None:
+    """Its next step is due in 300,000 years."""
+    waits_s = Pacer(1e-14, 0, 0.0).wait_s(0, 0.0)
+    assert waits_s is not None and waits_s < TIMEOUT_MAX

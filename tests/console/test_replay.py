@@ -174,6 +174,7 @@ def test_what_cannot_be_opened_leaves_no_page_at_a_run_that_is_no_more(run: RunR
                 run if asked.name == "two" else load_scenario("karasuyama_bad_days"), server.changed
             )
             live.start()
+            begun.callback(live.stop)
             lives.append(live)
             return live
         finally:
@@ -188,12 +189,13 @@ def test_what_cannot_be_opened_leaves_no_page_at_a_run_that_is_no_more(run: RunR
             answers = await asyncio.gather(*(client.post("/open", json=body) for body in bodies))
         return [answer.status_code for answer in answers]
 
-    assert asyncio.run(ask_all("two", "two")) == [200, 200]
-    assert most == [1]
-    assert asyncio.run(ask_all("nothing")) == [400]
-    assert server.desk is lives[0] and not lives[0].is_over  # it goes on
-    assert asyncio.run(ask_all("bad_days")) == [400]
-    assert server.desk is None and lives == []
+    with ExitStack() as begun:
+        assert asyncio.run(ask_all("two", "two")) == [200, 200]
+        assert most == [1]
+        assert asyncio.run(ask_all("nothing")) == [400]
+        assert server.desk is lives[0] and not lives[0].is_over  # it goes on
+        assert asyncio.run(ask_all("bad_days")) == [400]
+        assert server.desk is None and lives == []
 
 
 def test_only_the_instructor_and_only_a_page_of_the_desk_opens_something() -> None:
