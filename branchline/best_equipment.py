@@ -56,8 +56,8 @@ def equipment(
 ) -> None:
     """Find the cheapest equipment for so many trains an hour: loops, points, limits, radio, release, virtual blocks.
 
-    Trains are evenly spaced. Every choice is computed, each least interval proven. Costs are assumed (a loop: 100) unless
-    --cost says others.
+    Trains are evenly spaced. Every choice is computed, each least interval proven. Costs are assumed (a loop: 100)
+    unless --cost says others.
     """
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario
