@@ -54,9 +54,10 @@ def equipment(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Find the cheapest equipment for so many evenly spaced trains an hour: loops, points, limits, radio, release, blocks.
+    """Find the cheapest equipment for so many trains an hour: loops, points, limits, radio, release, virtual blocks.
 
-    Every choice is computed, each least interval proven. Costs are assumed (a loop: 100) unless --cost says others.
+    Trains are evenly spaced. Every choice is computed, each least interval proven. Costs are assumed (a loop: 100)
+    unless --cost says others.
     """
     from network.files.json_input import read_json, write_aside
     from scenario.scenario import load_scenario
