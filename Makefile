@@ -45,13 +45,27 @@ interpreted: install
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadfile $(LAWS) \
 		--cov=vehicle --cov=onboard.driving --cov=onboard.localisation --cov=onboard.tick --cov-report=term-missing:skip-covered
 
+# Two at a time: the checkers of types take the longest.
+CHECKS := check-mypy check-pyright check-structure check-generated check-style
+.PHONY: $(CHECKS)
 check: install
+	$(MAKE) --no-print-directory -j 2 $(CHECKS)
+
+check-mypy:
+	$(BIN)/mypy
+
+check-pyright:
+	$(BIN)/basedpyright
+
+check-structure:
+	$(BIN)/python -m documents.structure --unit-lines $(UNIT_LINES) --file-lines $(FILE_LINES)
+
+check-generated:
+	$(BIN)/python -m documents.generated
+
+check-style:
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy
-	$(BIN)/basedpyright
-	$(BIN)/python -m documents.structure --unit-lines $(UNIT_LINES) --file-lines $(FILE_LINES)
-	$(BIN)/python -m documents.generated
 
 bench: install
 	$(BIN)/branchline bench $(SCENARIO)

@@ -1,7 +1,5 @@
 """A finished run at the desk: what is shown at a time does not depend on how one came there; and the library."""
 
-from __future__ import annotations
-
 import asyncio
 from contextlib import ExitStack
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What the dispatcher's, the driver's and the instructor's seats do in a run, and that all of it replays."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Final

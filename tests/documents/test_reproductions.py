@@ -1,7 +1,5 @@
 """docs/reproductions.md: a row of a name is made of the reproduction's own rows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from documents.reproductions import cell_text, document, kept_of, kept_outcomes

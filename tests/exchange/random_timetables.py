@@ -1,7 +1,5 @@
 """Timetables drawn at random on a line: sets that come in, turn, stand over and go out, with calls of every kind."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

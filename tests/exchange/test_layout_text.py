@@ -1,7 +1,5 @@
 """What becomes of a layout: a station list, JSON, and what keeps it from being a line."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from dataclasses import replace

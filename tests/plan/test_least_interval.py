@@ -1,7 +1,5 @@
 """Least intervals of shipped lines against the theory's own seconds, and timetables at them that run."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A part of a day: every set begins where the plan has it, and what is run is what the whole day has there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What the checkers are told of line and trains."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Behaviours of on-board units, their timers and crews that can be taken away."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Sequence
 from typing import Any

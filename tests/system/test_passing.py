@@ -1,7 +1,5 @@
 """Trains that run through stations, stand there without passengers, and meet where there is no platform."""
 
-from __future__ import annotations
-
 from itertools import chain
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A portal is its unit's until its train is known to have left the line, whatever is lost, late or restarted."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

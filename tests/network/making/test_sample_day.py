@@ -1,7 +1,5 @@
 """The small day beside a new line: two sets that meet at the loop nearest the middle, or one where none is."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A loop laid at a halt: a track for each direction, nothing else moved, tags by the rule."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.errors import InputError

@@ -1,7 +1,5 @@
 """What the judge of level crossings finds and what it passes over."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from simulation.events import (

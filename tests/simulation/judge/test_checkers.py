@@ -1,7 +1,5 @@
 """Each checker against a sequence that breaks exactly it and one that does not."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The crew of a train on sight: where it stops, what it looks at, what it lets pass (Sugiyama, section 4.4 (3))."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Lamps and barriers of a level crossing: their times by hand, what sticks, what their contacts show."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

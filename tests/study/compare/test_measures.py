@@ -1,7 +1,5 @@
 """The figures by which runs are compared, and the rows behind them, on made-up tables whose figures are known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import polars as pl

@@ -1,7 +1,5 @@
 """Lateness and the time back to normal, from what happened and the stops."""
 
-from __future__ import annotations
-
 import polars as pl
 import pytest
 

@@ -1,7 +1,5 @@
 """What the page is told of a run is what its tables say."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 
