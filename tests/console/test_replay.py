@@ -26,7 +26,7 @@ from study.record.directory import reserved
 from study.record.read_back import RunRead, read_run
 from study.record.shown import RuleBroken
 from study.runner.run import PartyLink, execute, fill_run
-from tests.console.conftest import TWO
+from tests.console.conftest import TWO, run_apart
 
 pytestmark = pytest.mark.system
 
@@ -188,11 +188,11 @@ def test_what_cannot_be_opened_leaves_no_page_at_a_run_that_is_no_more(run: RunR
         return [answer.status_code for answer in answers]
 
     with ExitStack() as begun:
-        assert asyncio.run(ask_all("two", "two")) == [200, 200]
+        assert run_apart(ask_all("two", "two")) == [200, 200]
         assert most == [1]
-        assert asyncio.run(ask_all("nothing")) == [400]
+        assert run_apart(ask_all("nothing")) == [400]
         assert server.desk is lives[0] and not lives[0].is_over  # it goes on
-        assert asyncio.run(ask_all("bad_days")) == [400]
+        assert run_apart(ask_all("bad_days")) == [400]
         assert server.desk is None and lives == []
 
 

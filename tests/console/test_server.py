@@ -27,6 +27,7 @@ from console.shown import DeskMoment
 from network.errors import InputError
 from scenario.scenario import Scenario
 from study.report.face import FIRST_JAPANESE
+from tests.console.conftest import run_apart
 
 pytestmark = pytest.mark.system
 
@@ -190,7 +191,7 @@ def test_tokens_are_written_for_their_owner_alone_and_over_no_file(tmp_path: Pat
         ("dispatcher", {"say": "go_back", "time_s": 35000}, "expected instructor"),
         ("dispatcher", {"say": "act", "act": {"kind": "power_on", "target": "K1"}}, "the seat dispatcher"),
         ("staff", {"say": "act", "act": {"kind": "accept_picture"}}, "the seat staff"),
-        ("guest", {"say": "act", "act": {"kind": "give_back", "target": "K1"}}, "nothing"),
+        ("guest", {"say": "act", "act": {"kind": "give_back", "target": "K1"}}, "none is"),
         (
             "dispatcher",
             {"say": "act", "act": {"kind": "give_back", "target": "K1", "person": "staff"}},
@@ -323,7 +324,7 @@ def test_a_connection_that_takes_nothing_holds_up_itself_alone(door: Door) -> No
         return len(stalled.sent), lively.sent
 
     before = door.session.step
-    held, sent = asyncio.run(both())
+    held, sent = run_apart(both())
     assert held == 0
     assert sent.count("answer") == 5
     assert sent.count("state") >= 5

@@ -24,10 +24,12 @@ def test_the_days_are_those_that_the_page_names(name: str) -> None:
 
 @pytest.mark.parametrize("name", PLAYED)
 def test_the_same_rule_twice_shows_nothing(name: str) -> None:
-    """On the same days there is no difference; of the first half of the days beside the other the interval holds 0."""
+    """On the same days there is no difference, and no interval of it; that of the first half of the days beside
+    the other holds 0.
+    """
     first = [day.first_come_min for day in KEPT[name]]
     same = less_lost([OrderedDay(0, lost, lost) for lost in first])
-    assert (same.low, same.high) == (0.0, 0.0)
+    assert (same.value, same.low, same.high) == (0.0, None, None)
     half = len(first) // 2
     others = less_lost(
         [OrderedDay(0, *pair) for pair in zip(first[:half], first[half : 2 * half], strict=True)]
