@@ -26,6 +26,7 @@ MESSAGES_A_S: Final = 20.0
 MESSAGES_AT_ONCE: Final = 40.0
 REFUSED_MAX: Final = 100  # messages of a connection, before it is closed
 TOKEN_BYTES: Final = 24
+SEAT_WITHIN_S = 10.0  # who takes none would hold one of the places for ever
 
 
 class Refusal(Enum):
@@ -38,6 +39,7 @@ class Refusal(Enum):
     SIZE = "a message that is too long"
     FORM = "no message of the protocol"
     RATE = "too many messages"
+    SILENCE = "no seat is taken in time"
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from console import access
 from console.access import REFUSED_MAX, SOCKETS_MAX, AccessRules, Allowance, Refusal
 from console.library import LibraryRequest, library
 from console.protocol import (
@@ -274,7 +275,12 @@ class _Connection:
 
     async def seat_taken(self, rules: AccessRules) -> tuple[Seat, str]:
         """The seat that the first message takes, a driver's of which unit; closed where it takes none."""
-        why, text = Refusal.FORM, await self._text()
+        why, text = Refusal.FORM, ""
+        try:
+            text = await asyncio.wait_for(self._text(), access.SEAT_WITHIN_S)
+        except TimeoutError:
+            await self.close(Refusal.SILENCE)
+            raise WebSocketDisconnect(REFUSED_CODE) from None
         if len(text.encode()) <= MESSAGE_BYTES_MAX:
             try:
                 hello = hello_of(text)

@@ -17,6 +17,7 @@ pytest.importorskip("httpx2", reason="starlette's test client needs it")
 from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
+from console import access
 from console.access import LOOPBACK, SOCKETS_MAX, AccessRules, Refusal, on_loopback, with_tokens, write_tokens
 from console.desk import Desk
 from console.protocol import MESSAGE_BYTES_MAX, DeskAnswer, Request, Welcome
@@ -277,6 +278,15 @@ def test_of_two_hundred_sockets_as_many_are_let_in_as_there_may_be(door: Door) -
         for _ in range(200 - SOCKETS_MAX):
             assert visit.closed_with(**ORIGIN) == FULL_CODE
     assert visit.server.refused == {Refusal.SOCKETS: 200 - SOCKETS_MAX}
+
+
+def test_who_takes_no_seat_makes_room(door: Door, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(access, "SEAT_WITHIN_S", 0.0)
+    visit = Visit(door)
+    with visit.connect(**ORIGIN) as socket, pytest.raises(WebSocketDisconnect) as closed:
+        sit(socket, "guest")
+    assert closed.value.code == REFUSED_CODE
+    assert visit.server.refused == {Refusal.SILENCE: 1}
 
 
 def test_pages_come_from_two_folders_and_from_nowhere_else(door: Door) -> None:
