@@ -126,6 +126,19 @@ class Mission:
         return passed | {t.station_id: t.track for t in self.targets if t.station_id is not None}
 
 
+def front_on(mission: Mission, before: Mission | None, at_m: float, length_m: float) -> float:
+    """Where the front, at `at_m` of the path before, is on a mission's, m: what was the rear where it goes back.
+
+    An estimate off that path, as of a train that does not know where it is, goes by its kilometrage.
+    """
+    if before is None or before is mission:
+        return at_m
+    turned = before.direction is not mission.direction
+    piece_id, kilometrage_m = before.path.locate(at_m - length_m if turned else at_m)
+    path = mission.path
+    return (path.step_of(piece_id) if piece_id in path else path.steps[0]).to_path_m(kilometrage_m)
+
+
 def on_tracks(train: TimetableTrain, tracks: Mapping[str, str]) -> TimetableTrain:
     """The train with its calls at these stations on these tracks, by name."""
     calls = tuple(replace(c, track=tracks.get(c.station_id, c.track)) for c in train.calls)

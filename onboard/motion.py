@@ -47,7 +47,7 @@ from onboard.fixes import ROOM_M, Fixes
 from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import TagDoubt, TagOutcome, Wheels
 from onboard.localisation.wheel_scale import FrontAtCount
-from onboard.mission import Mission, PathTag, Target
+from onboard.mission import Mission, PathTag, Target, front_on
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_CONTRADICTED,
@@ -120,6 +120,7 @@ class UnitMotion:
         self._length_m: Final = float(train.length_m)
         self._behaviour: Final = behaviour
         self._mission: Mission | None = None
+        self._placed: Mission | None = before and before._placed  # on whose path its coordinates are
         self._starts_m, self._ends_m = list[float](), list[float]()
         self._joints_m, self._marks_m = list[float](), list[float]()
         self._tags: Mapping[int, tuple[int, PathTag]] = {}
@@ -151,25 +152,22 @@ class UnitMotion:
     def go_on(self, mission: Mission, path: PathData) -> None:
         """Another train number in the same direction: the same place on another path."""
         kept = self._doubt.leave_path(turned=False)
-        if self._mission is not None:
-            here = self._mission.path.locate(float(self.row.position_m))
-            self.row.position_m = mission.path.to_path_m(*here)
+        self.row.position_m = front_on(mission, self._placed, float(self.row.position_m), self._length_m)
         self._take_up(mission, path, kept)
 
     def turn(self, mission: Mission, path: PathData) -> None:
         """The driver has changed ends: what was the rear is the front, on the next mission's path."""
         row = self.row
         kept = self._doubt.leave_path(turned=True)
-        if self._mission is not None:
-            rear = self._mission.path.locate(float(row.position_m) - self._length_m)
-            row.position_m = mission.path.to_path_m(*rear)
-            row.bound_ahead_m, row.bound_behind_m = row.bound_behind_m, row.bound_ahead_m
+        row.position_m = front_on(mission, self._placed, float(row.position_m), self._length_m)
+        row.bound_ahead_m, row.bound_behind_m = row.bound_behind_m, row.bound_ahead_m
         self._take_up(mission, path, kept)
 
     def switch_on(self, mission: Mission, path: PathData, odometer_m: float, speed_mps: float) -> None:
         """A unit that boots: position forgotten, the emergency brake applied, its sensors as they show now."""
         row = self.row
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
+        row.position_m = front_on(mission, self._placed, float(row.position_m), self._length_m)
         row.speed_mps, row.boots = speed_mps, row.boots + 1
         self._doubt.position_told()
         row.tag_window_m = self._parameters.tag_window_m
@@ -180,7 +178,7 @@ class UnitMotion:
 
     def _take_up(self, mission: Mission, path: PathData, kept: Sequence[FrontAtCount] = ()) -> None:
         row = self.row
-        self._mission, self._off_plan = mission, False
+        self._mission, self._placed, self._off_plan = mission, mission, False
         self._starts_m, self._ends_m = [x.start_m for x in mission.spans], [x.end_m for x in mission.spans]
         self._joints_m = [*self._starts_m, self._ends_m[-1]]
         self._marks_m = [target.mark_m for target in mission.targets]

@@ -26,6 +26,7 @@ from onboard.duty.records import (
     TagBelieved,
     WheelsTurning,
 )
+from onboard.localisation.places import ASKS_AHEAD
 from onboard.mission import Mission
 from onboard.motion import ARRIVED_WITHIN_M, UnitMotion
 from onboard.records import (
@@ -306,6 +307,36 @@ def test_ends_changed_what_was_the_rear_is_the_front(
     motion.turn(back, path)
     assert back.path.kilometrage_m(float(row.position_m)) == pytest.approx(980.0)
     assert (row.bound_ahead_m, row.bound_behind_m) == (3.0, 1.0)
+
+
+def test_ends_changed_without_a_position_by_an_estimate_off_the_way_back(
+    motion: UnitMotion, mission: Mission, back: Mission
+) -> None:
+    """A tachometer has stood still since section 3, which the way back to section 4 does not touch: rear at km 0.42."""
+    path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
+    motion.row.position_m, motion.row.position_known = 100.0, 0
+    motion.turn(back, path)
+    assert back.path.kilometrage_m(float(motion.row.position_m)) == pytest.approx(420.0)
+    assert motion.row.position_known == 0
+    motion.go_on(mission, path)
+    assert mission.path.kilometrage_m(float(motion.row.position_m)) == pytest.approx(460.0)  # where its front was
+
+
+def test_switched_on_for_the_way_back_no_place_on_it_is_passed(
+    at_start: Callable[..., UnitMotion], back: Mission
+) -> None:
+    """Its power failed at the mark at km 1.02, its rear at km 0.98, short of all places but those in the track."""
+    path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
+    before = at_start(reads_tags=False)
+    before.row.position_m = MARK_B_M
+    motion = UnitMotion(
+        before._line, UnitParameters(), before._record, before._train, before._behaviour, before.keeper,
+        reads_tags=False, before=before,
+    )  # fmt: skip
+    motion.switch_on(back, path, 0.0, 0.0)
+    assert back.path.kilometrage_m(float(motion.row.position_m)) == pytest.approx(980.0)
+    ahead_m = [tag.position_m for tag in back.tags if tag.purpose in ASKS_AHEAD and tag.position_m > 70.0]
+    assert motion._fixes.ask_m == pytest.approx(ahead_m[0])
 
 
 # what the tick works to -----------------------------------------------------------------------------------------
