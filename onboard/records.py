@@ -51,6 +51,8 @@ class UnitRow(Protocol):
     bound_growth: Annotated[float, "m of bound per m run"]
     slid_ahead_m: Annotated[float, "by which slides have widened the bound ahead in all, beyond its growth"]
     slipped_behind_m: Annotated[float, "the same of slips and the bound behind"]
+    step_short_m: Annotated[float, "by which the tachometer's count of the last step may be short"]
+    step_long_m: Annotated[float, "or long: what was passed within it lies by so much elsewhere"]
     position_known: int
     odometer_m: Annotated[float, "what was counted until the last tick: the tachometer's reading, and"]
     odometer_off_m: Annotated[float, "what the last axle has counted more than it, in its place"]
@@ -63,7 +65,7 @@ class UnitRow(Protocol):
     last_axle_mps: Annotated[float, "its speed a step ago; negative: none has been shown"]
     axles_differ_share: Annotated[float, "two that roll differ by no more: what the way of a turn varies by"]
     short_m: Annotated[float, "by which the tachometer has counted less than that axle, beyond this share"]
-    short_most_m: Annotated[float, "the most of it since it was last nothing: the bound ahead holds it"]
+    short_most_m: Annotated[float, "up to where the bound ahead holds it: by a pulse more at most"]
     long_m: Annotated[float, "the same of what it has counted more"]
     long_most_m: float
     apart: Annotated[int, "1: the two contradict one another"]

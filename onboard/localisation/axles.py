@@ -49,9 +49,9 @@ def last_run_m(unit: UnitRow, last_mps: float, step_s: float) -> float:
 
 
 @compiled
-def beyond_m(sum_m: float, most_m: float, pulse_m: float) -> float:
-    """By how much a sum has passed the most that it has been, m: what whole pulses differ by is no difference."""
-    return max(sum_m - max(most_m, pulse_m), 0.0)
+def counted_to_m(sum_m: float, before_m: float, pulse_m: float) -> float:
+    """Up to where bounds hold a sum, m: what whole pulses differ by is no difference, neither rising nor falling."""
+    return max(sum_m, min(before_m, sum_m + pulse_m))
 
 
 @compiled
@@ -63,11 +63,10 @@ def compare(unit: UnitRow, run_m: float, last_m: float) -> tuple[float, float]:
     less_m, hidden_m = last_m - run_m, unit.axles_differ_share * run_m
     unit.short_m = max(unit.short_m + less_m - hidden_m, 0.0)
     unit.long_m = max(unit.long_m - less_m - hidden_m, 0.0)
-    ahead_m = beyond_m(unit.short_m, unit.short_most_m, unit.pulse_m)
-    behind_m = beyond_m(unit.long_m, unit.long_most_m, unit.pulse_m)
-    unit.short_most_m = max(unit.short_most_m, unit.short_m) if unit.short_m > 0.0 else 0.0
-    unit.long_most_m = max(unit.long_most_m, unit.long_m) if unit.long_m > 0.0 else 0.0
-    return ahead_m, behind_m
+    short_m, long_m = max(unit.short_most_m, unit.pulse_m), max(unit.long_most_m, unit.pulse_m)
+    unit.short_most_m = counted_to_m(unit.short_m, short_m, unit.pulse_m)
+    unit.long_most_m = counted_to_m(unit.long_m, long_m, unit.pulse_m)
+    return max(unit.short_most_m - short_m, 0.0), max(unit.long_most_m - long_m, 0.0)
 
 
 @compiled

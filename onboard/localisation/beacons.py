@@ -150,7 +150,7 @@ def taken_for(own: BeaconsRow, reading: BeaconReading, unit: UnitRow, chart: Cha
         return trusted(unit, front_m, within_m, within_m)
     if reading.told != 0:
         within_m += own.settings.placed_within_m
-        outcome = fix_by_rule(unit, front_m, within_m, within_m)
+        outcome = fix_by_rule(unit, front_m, within_m + unit.step_long_m, within_m + unit.step_short_m)
         carry_slack(own, unit)
         return outcome
     misses = missed_m(unit, front_m, within_m, within_m) > 0.0

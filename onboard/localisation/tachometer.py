@@ -47,7 +47,7 @@ def locate(
 ) -> int:
     """Take one tachometer reading (distance m, speed m/s), and the last axle's speed, if shown; returns event bits."""
     run_m = odometer_m + unit.odometer_off_m - unit.odometer_m
-    short_m = long_m = last_m = 0.0
+    short_m = long_m = last_m = off_m = 0.0
     shown = last_mps >= 0.0
     events = 0
     if shown:
@@ -63,10 +63,13 @@ def locate(
             contradict(unit, shown_mps, last_mps)
     speed_mps = speed_to_go_by_mps(unit, shown_mps, last_mps, step_s) if shown else shown_mps
     if unit.liar == TACHOMETER_LIES:
-        unit.odometer_off_m += last_m - run_m
+        off_m = last_m - run_m
+        unit.odometer_off_m += off_m
         run_m, short_m, long_m = last_m, 0.0, 0.0
     unit.odometer_m = odometer_m + unit.odometer_off_m
     count_run(unit, train, run_m, speed_mps, step_s, short_m, long_m)
+    unit.step_short_m += max(off_m, 0.0)
+    unit.step_long_m += max(-off_m, 0.0)
     smoothing = step_s / (ACCELERATION_SMOOTHING_S + step_s)
     unit.acceleration_mps2 += smoothing * ((speed_mps - unit.speed_mps) / step_s - unit.acceleration_mps2)
     unit.speed_mps = speed_mps
@@ -107,6 +110,7 @@ def count_run(
     unit.bound_behind_m += slipped_m
     unit.slid_ahead_m += slid_m
     unit.slipped_behind_m += slipped_m
+    unit.step_short_m, unit.step_long_m = slid_m, slipped_m
 
 
 @compiled

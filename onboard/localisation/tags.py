@@ -54,9 +54,13 @@ def front_by_tag(
 
 
 def tag_fix(row: UnitRow, tag_m: float, odometer_at_tag_m: float, accuracy_m: float) -> Fix:
-    """What a tag at path coordinate `tag_m` says, read when the tachometer stood at `odometer_at_tag_m`."""
+    """What a tag at path coordinate `tag_m` says, read in the last step, when the tachometer stood at
+    `odometer_at_tag_m`.
+    """
     position_m, bound_m = front_by_tag(row, tag_m, odometer_at_tag_m, accuracy_m)
-    return Fix(float(position_m), float(bound_m), float(bound_m), FixSource.TAG)
+    return Fix(
+        float(position_m), float(bound_m + row.step_long_m), float(bound_m + row.step_short_m), FixSource.TAG
+    )
 
 
 def bounds_of(row: UnitRow) -> tuple[float, float]:

@@ -56,11 +56,11 @@ def beacon_receiver(
     if own.fitted == 0 or scene.carries_more == 0:
         return
     if scene.beacon_beyond_m >= 0.0 and own.deaf == 0:
-        latch(own, sensors.tachometer, scene.beacon_beyond_m, scene.step)
+        latch(own, sensors.tachometer, scene, scene.beacon_beyond_m)
         shown.told = scene.beacon_told
         shown.number = scene.beacon_number if scene.beacon_told != 0 else 0
     elif own.deceived != 0:
-        latch(own, sensors.tachometer, 0.0, scene.step)
+        latch(own, sensors.tachometer, scene, 0.0)
         shown.told = shown.number = 0
         own.deceived = 0
     else:

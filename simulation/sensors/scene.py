@@ -20,6 +20,7 @@ class SceneRow(Protocol):
     wheel_mps: Annotated[float, "of the axle that is measured; not the train's while it slides"]
     last_wheel_mps: Annotated[float, "of the last axle"]
     wheel_run_m: Annotated[float, "what that axle has rolled in this step"]
+    run_m: Annotated[float, "the way that the train has run in this step"]
     load_share: Annotated[float, "0 empty, 1 full"]
     tag_beyond_m: Annotated[float, "how far the front is past the tag that it passed in this step; -1: none"]
     sign_ahead_m: Annotated[float, "from the front to the next stop sign; +inf: none to be seen"]
@@ -33,7 +34,6 @@ class SceneRow(Protocol):
     curvature_per_m: Annotated[float, "mean |curvature| of the alignment under the train"]
     sky: Annotated[float, "what the leading car sees of it: network.profile.NO_SKY to OPEN_SKY"]
     front_m: Annotated[float, "path coordinate of the front"]
-    run_m: Annotated[float, "the way that the train has run in this step"]
     kilometrage_m: Annotated[float, "of the metre that the front is on"]
     down: Annotated[float, "1 where kilometrages grow ahead, else -1"]
     beacon_beyond_m: Annotated[

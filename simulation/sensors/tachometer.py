@@ -38,6 +38,7 @@ class TachometerRow(Protocol):
     outwards_m: Annotated[float, "it runs outwards by no more than this"]
     outwards_m2: Annotated[float, "by this times the curvature, 1/m, an axle would roll without creep"]
     turned_m: Annotated[float, "what has turned since the run began, by that circumference"]
+    step_m: Annotated[float, "what of that has turned in the last step"]
     odometer_m: Annotated[float, "what it has counted of that, in whole pulses"]
     gain: Annotated[float, "1 in order, 0 silent"]
     miscount_share: Annotated[float, "of the distance, counted too much (< 0: pulses lost); speed is right"]
@@ -84,13 +85,14 @@ def turns_more(own: TachometerRow, scene: SceneRow) -> float:
 def tachometer(own: TachometerRow, _sensors: Any, scene: SceneRow, sensed: SensedRow) -> None:  # noqa: ANN401
     """Count the wheel's turning of one step and show its speed. A faulty one shows what it shows."""
     if own.frozen_mps >= 0.0:
-        own.turned_m += own.frozen_mps * scene.step_s
+        own.step_m = own.frozen_mps * scene.step_s
         sensed.speed_mps = own.frozen_mps
     else:
         gain = own.gain / own.wheel_factor
         if own.creep_share > 0.0 or own.slope_per_m > 0.0:
             gain *= turns_more(own, scene)
-        own.turned_m += scene.wheel_run_m * (gain * (1.0 + own.miscount_share))
+        own.step_m = scene.wheel_run_m * (gain * (1.0 + own.miscount_share))
         sensed.speed_mps = scene.wheel_mps * gain
+    own.turned_m += own.step_m
     own.odometer_m = counted_m(own, own.turned_m)
     sensed.odometer_m = own.odometer_m

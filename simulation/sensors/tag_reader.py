@@ -1,4 +1,5 @@
-"""The tag reader (地上子読取): latches the tachometer where the front passed a tag, a little early or late.
+"""The tag reader (地上子読取): latches the tachometer where the front passed a tag, a little early or late. What the
+tachometer has counted since is what it shows of the step evenly, also where wheels slide or it is out of order.
 
 A fault of the tag may give a wrong id or none. In a run that reads tags bit by bit, transmission errors do so too
 (`tag_air`).
@@ -41,12 +42,12 @@ def fit(own: TagReaderRow, setup: Setup, stock_id: str) -> None:
 def tag_reader(own: TagReaderRow, sensors: WithTachometer, scene: SceneRow, _sensed: SensedRow) -> None:
     """Read the tag that the front passed in this step, if it passed one."""
     if scene.tag_beyond_m >= 0.0:
-        latch(own, sensors.tachometer, scene.tag_beyond_m, scene.step)
+        latch(own, sensors.tachometer, scene, scene.tag_beyond_m)
 
 
 @compiled
-def latch(reader: TagReaderRow, tachometer: TachometerRow, beyond_m: float, step: int) -> None:
+def latch(reader: TagReaderRow, tachometer: TachometerRow, scene: SceneRow, beyond_m: float) -> None:
     """Read the tag that the front passed in this step and is `beyond_m` past now."""
-    error_m = min(max(reader.sigma_m * normal(reader.source, step), -reader.most_m), reader.most_m)
-    since_m = beyond_m * tachometer.gain / tachometer.wheel_factor * (1.0 + tachometer.miscount_share)
+    error_m = min(max(reader.sigma_m * normal(reader.source, scene.step), -reader.most_m), reader.most_m)
+    since_m = tachometer.step_m * beyond_m / scene.run_m if scene.run_m > 0.0 else 0.0
     reader.latched_m = counted_m(tachometer, tachometer.turned_m - since_m) + error_m

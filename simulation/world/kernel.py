@@ -194,7 +194,7 @@ def look_around(row: StockRow, track: PathArrays, before_m: float, curvature_per
     here = min(max(int(now_m), 0), truth.profile_rows - 1)
     underneath = track.profile[truth.profile_offset + here]
     scene.sky, scene.kilometrage_m = underneath.sky, underneath.kilometrage_m
-    scene.front_m, scene.run_m = now_m, now_m - before_m
+    scene.front_m = now_m
     last = truth.profile_offset + max(here - 1, 0)
     scene.down = 1.0 if track.profile[last + 1].kilometrage_m >= track.profile[last].kilometrage_m else -1.0
     scene.beacon_beyond_m = NO_TAG_M
@@ -265,6 +265,7 @@ def step_one(row: StockRow, track: PathArrays, step: int) -> tuple[int, int]:
     count_motion(row.ride, plant, before_mps, before_mps2, emergency, step_s)
     before_m = truth.position_m
     truth.position_m = truth.offset_m + plant.travelled_m
+    row.scene.run_m = truth.position_m - before_m
     if truth.wheels_vary != 0:
         row.scene.curvature_per_m = curvature
         row.scene.used_adhesion = used_adhesion(plant, row.body)

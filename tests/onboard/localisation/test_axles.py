@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 
 from onboard.localisation.axles import APART_M, LAST_AXLE_LIES, NO_AXLE_MPS, TACHOMETER_LIES, forget_axles
 from onboard.localisation.tachometer import locate
+from onboard.localisation.tags import tag_fix
 from onboard.records import EVENT_TACHOMETER, UNIT, UnitRow
 from onboard.unit_records import UnitParameters
 from vehicle.train_file import load_train, shipped_train
@@ -107,6 +109,65 @@ def test_the_front_is_inside_whichever_axle_lies_and_however(
     for mps2, seconds in pieces:
         for out_m in ride.go(mps2, seconds, tachometer, last):
             assert out_m <= PULSE_M
+
+
+@given(
+    st.lists(
+        st.tuples(st.floats(0.3, 8.0), st.floats(0.9, 1.1), st.booleans()), min_size=2, max_size=6
+    )
+)
+@example([(0.6, 0.93, False), (4.0, 1.0, True), (0.4, 0.93, False)])
+@example([(0.6, 1.07, False), (4.0, 1.0, True), (0.4, 1.07, False)])
+def test_what_axles_differ_by_after_a_fix_is_in_the_bounds_whatever_was_counted_before_it(
+    pieces: list[tuple[float, float, bool]],
+) -> None:
+    """What the bounds held of an earlier difference a fix has cut off: 0.8 m, of which 0.4 m had been taken back."""
+    ride = Ride(20.0)
+    unit, unit.bound_growth = ride.unit, VARIES
+    for seconds, factor, is_fixed in pieces:
+        for out_m in ride.go(COAST_MPS2, seconds, times(factor)):
+            assert out_m <= 2.0 * PULSE_M
+        if is_fixed:
+            unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = ride.true_m, PULSE_M, PULSE_M
+
+
+SLIDES: Final = -1
+
+
+@pytest.mark.parametrize("since", [0.05, 0.5, 0.95])
+@pytest.mark.parametrize(
+    ("tachometer", "last", "slide"),
+    [
+        (times(0.0), abs, 0),
+        (times(0.3), abs, 0),
+        (times(2.0), abs, 0),
+        (abs, times(0.0), 0),
+        (times(0.8), times(0.8), SLIDES),
+        (times(0.9), abs, SLIDES),
+    ],
+)
+def test_a_tag_passed_in_a_step_that_was_counted_wrongly_has_the_front_where_it_is(
+    tachometer: Shows, last: Shows, slide: int, since: float
+) -> None:
+    """At 20 m/s a step is 2 m: of these the tachometer counts what it shows, and the tag lies somewhere in it."""
+    ride = Ride(20.0)
+    list(ride.go(0.0, 1.0))
+    ride.unit.wheel_slide = slide
+    list(ride.go(0.0, 1.0, tachometer, last))
+    since_m = since * 20.0 * STEP_S
+    fix = tag_fix(ride.unit, ride.true_m - since_m, ride.turned_m - tachometer(since_m), PULSE_M)
+    assert fix.position_m - fix.behind_m <= ride.true_m <= fix.position_m + fix.ahead_m
+
+
+def test_a_tag_passed_while_the_last_axle_counts_for_the_tachometer() -> None:
+    ride = Ride(12.0)
+    list(ride.go(BRAKE_MPS2, 360.0, stuck(8.0)))
+    assert ride.unit.liar == TACHOMETER_LIES
+    list(ride.go(POWER_MPS2, 30.0, stuck(8.0)))
+    since_m = 1.0
+    turned_m = ride.turned_m + float(ride.unit.odometer_off_m) - 8.0 * STEP_S * since_m / (ride.speed_mps * STEP_S)
+    fix = tag_fix(ride.unit, ride.true_m - since_m, turned_m, PULSE_M)
+    assert fix.position_m - fix.behind_m <= ride.true_m <= fix.position_m + fix.ahead_m
 
 
 def doubted_after_m(factor: float, begins_mps: float, mps2: float) -> float:

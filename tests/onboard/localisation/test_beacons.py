@@ -189,6 +189,21 @@ def test_a_number_is_a_place_and_cuts_the_bounds() -> None:
     assert on.unit.bound_ahead_m + on.unit.bound_behind_m < 7.0
 
 
+@pytest.mark.parametrize(("short_m", "long_m"), [(1.5, 0.0), (0.0, 1.5)])
+def test_a_number_read_in_a_step_that_may_be_counted_wrongly_leaves_room_for_that(
+    short_m: float, long_m: float
+) -> None:
+    """With 1 m of the receiver, 2 m of the place, and 1.5 m to the side where wheels that slide may have gone."""
+    on = ride(told=True, bound_m=50.0)
+    on.run_to(B_M, ())
+    on.unit.step_short_m, on.unit.step_long_m = short_m, long_m
+    assert on.step(0.0, 0.0, 9, 0.0) == TAKEN
+    low_m = on.unit.position_m - on.unit.bound_behind_m
+    assert (low_m, on.unit.position_m + on.unit.bound_ahead_m) == pytest.approx(
+        (B_M - 3.0 - long_m, B_M + 3.0 + short_m)
+    )
+
+
 def test_numbers_that_the_database_has_not_are_told_and_those_that_nobody_goes_by_are_not() -> None:
     on = ride(told=True)
     assert on.step(1.0, 0.0, 99, 0.0) == FOREIGN

@@ -19,6 +19,7 @@ from simulation.setup import STEP_S, Setup
 from simulation.world.disorder import put_fault
 from simulation.world.trains import Trains
 
+RUN_M = 2.0  # in the step
 CARRIES = Sensors(carries=(PositionSensor.TAGS, PositionSensor.BEACONS))
 
 
@@ -26,6 +27,7 @@ def sensors_of(setup: Setup) -> Any:  # noqa: ANN401 - a row of all sensors
     row: Any = np.zeros(1, SENSORS_ROW).view(np.recarray)[0]
     fit(row.beacon_receiver, setup, "K1")
     row.tachometer.gain = row.tachometer.wheel_factor = 1.0
+    row.tachometer.step_m = RUN_M
     row.tachometer.turned_m = row.tachometer.odometer_m = 1000.0
     return row
 
@@ -33,7 +35,7 @@ def sensors_of(setup: Setup) -> Any:  # noqa: ANN401 - a row of all sensors
 def shown(row: Any, beyond_m: float, step: int = 1, number: int = 12, *, told: bool = False) -> Any:  # noqa: ANN401
     scene: Any = np.zeros(1, SCENE).view(np.recarray)[0]
     sensed: Any = np.zeros(1, SENSED).view(np.recarray)[0]
-    scene.carries_more, scene.step = 1, step
+    scene.carries_more, scene.step, scene.run_m = 1, step, RUN_M
     scene.beacon_beyond_m, scene.beacon_number, scene.beacon_told = beyond_m, number, int(told)
     beacon_receiver(row.beacon_receiver, row, scene, sensed)
     return sensed.readings.beacons
@@ -54,6 +56,14 @@ def test_where_it_notices_it_is_as_the_settings_say(rtri_setup: Setup) -> None:
     assert np.abs(errors_m).max() == pytest.approx(0.5)
     assert errors_m.std() == pytest.approx(0.3, rel=0.15)
     assert abs(errors_m.mean()) < 0.03
+
+
+def test_what_was_counted_since_is_what_the_tachometer_shows_of_the_step(rtri_setup: Setup) -> None:
+    """Wheels that slide at a quarter of the train's speed turn 0.25 m over the last metre of it, locked ones none."""
+    row = sensors_of(replace(rtri_setup, sensors=CARRIES, beacons=Beacons(notice_sigma_m=0.0)))
+    for turned_m, since_m in ((0.25 * RUN_M, 0.25), (0.0, 0.0)):
+        row.tachometer.step_m = turned_m
+        assert shown(row, 1.0).odometer_m == pytest.approx(1000.0 - since_m)
 
 
 def test_a_train_that_carries_none_notices_none(rtri_setup: Setup) -> None:

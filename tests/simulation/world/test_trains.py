@@ -163,7 +163,8 @@ def test_tags_come_one_by_one_with_an_error_within_what_the_reader_keeps(placed:
     reader, tachometer = placed.tag_readers[0], placed.tachometers[0]
     tachometer.turned_m = 1000.0
     for step, tag_id in enumerate((601, 602, 603)):
-        latch(reader, tachometer, 0.0, step)
+        placed.stock[0]["scene"]["step"] = step
+        latch(reader, tachometer, placed.stock.view(np.recarray)[0].scene, 0.0)
         passed, read, odometer_m = placed.read_tag(0)
         assert passed == read == tag_id
         error_m = placed.setup.sensors.tag_read_max_m + tachometer.pulse_m
