@@ -46,7 +46,7 @@ class Carrier(Protocol):
         ...
 
     def reverse(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
-        """Change ends in place: the rear becomes the front; the first piece is the one the train stands on."""
+        """Change ends in place: the rear becomes the front; the first piece is the one that the front stood on."""
         ...
 
     def remove(self, unit_id: str) -> None:

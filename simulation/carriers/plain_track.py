@@ -226,15 +226,14 @@ class PlainTrack:
 
     def reverse(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
         """Change ends in place."""
-        train = self._trains[unit_id]
+        train, ahead = self._trains[unit_id], list(pieces)
         self._lift(train)
-        under = [train.pieces[0], *train.behind]
         train.offset_m = self._lengths_m[train.pieces[0]] - train.offset_m + train.length_m
-        for piece_id in under[: under.index(pieces[0])] if pieces[0] in under else ():
-            train.offset_m -= self._lengths_m[piece_id]
-        train.behind = list(reversed(under[: under.index(pieces[0])])) if pieces[0] in under else []
-        train.pieces = list(pieces)
-        train.direction = direction
+        train.behind.clear()
+        while len(ahead) > 1 and train.offset_m > self._lengths_m[ahead[0]]:
+            train.offset_m -= self._lengths_m[ahead[0]]
+            train.behind.insert(0, ahead.pop(0))
+        train.pieces, train.direction = ahead, direction
         self._lay(train)
         self._judged = False
 

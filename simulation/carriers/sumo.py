@@ -140,12 +140,15 @@ class SumoCarrier:
     def reverse(self, unit_id: str, pieces: Sequence[str], direction: Direction) -> None:
         """Change ends: SUMO turns the train in its next step; its own millimetre of overrun is then put back."""
         here = self._sumo.vehicle.getRoadID(unit_id)
-        piece_length_m = self._sumo.lane.getLength(here + "_0")
-        offset_m = piece_length_m - self._sumo.vehicle.getLanePosition(unit_id) + self._lengths_m[unit_id]
+        from_end_m = self._sumo.vehicle.getLanePosition(unit_id) - self._lengths_m[unit_id]
         edges = [edge_id(piece, direction) for piece in pieces]
         self._sumo.vehicle.setRoute(unit_id, [here, *edges])
         self._sumo.vehicle.setSpeed(unit_id, 0.0)
-        self._reversing.append((unit_id, edges[0] + "_0", offset_m))
+        lanes = [edge + "_0" for edge in edges]
+        offset_m = self._sumo.lane.getLength(lanes[0]) - from_end_m
+        while len(lanes) > 1 and offset_m > self._sumo.lane.getLength(lanes[0]):
+            offset_m -= self._sumo.lane.getLength(lanes.pop(0))
+        self._reversing.append((unit_id, lanes[0], offset_m))
 
     def remove(self, unit_id: str) -> None:
         """Take a train off the line."""

@@ -49,12 +49,10 @@ class Trail:
             self._lies.pop(0)
 
     def turn(self, pieces: Sequence[str]) -> None:
-        """The rear becomes the front, in place; the first of `pieces` is the one that it stands on."""
+        """The rear becomes the front, in place; the first of `pieces` is the one that the front stood on."""
         self._lies = [PieceEntered(each.piece_id, -self._end_m(each)) for each in reversed(self._lies)]
         self.front_m = self.length_m - self.front_m
-        while len(self._lies) > 1 and self._lies[-1].piece_id != pieces[0]:
-            self._lies.pop()
-        self._ahead = list(pieces[1:])
+        self._ahead = list(pieces[len(self._lies) :])
         self.direction = self.direction.opposite
 
     def within(self, run_m: float) -> Iterator[PieceEntered]:

@@ -257,9 +257,9 @@ class Trains:
         )
 
     def can_turn(self, slot: int, duty: Duty) -> bool:
-        """Whether the whole train stands on the track from which its next duty begins: no overrun onto points."""
-        here = self.true_path(slot).step_at(float(self.truths[slot].position_m))
-        return here.piece_id in duty.mission.path.piece_ids
+        """Whether the whole train stands on the way of its next duty, which begins there: no overrun onto points."""
+        front = self.carrier.truth(self.stock_ids[slot]).piece_id
+        return {front, *self.pieces_under(slot)} <= set(duty.mission.path.piece_ids)
 
     def turn(self, slot: int, duty: Duty) -> None:
         """Change ends on the spot: what was the rear is the front, on the next duty's path."""
@@ -269,7 +269,7 @@ class Trains:
         rear = old.locate(float(self.truths[slot].position_m) - length_m)
         self._enter_path(slot, duty, mission.path.to_path_m(*rear))
         pieces = self.true_path(slot).piece_ids
-        first = pieces.index(mission.path.step_at(float(self.truths[slot].position_m) - 1e-6).piece_id)
+        first = pieces.index(self.carrier.truth(self.stock_ids[slot]).piece_id)
         self.carrier.reverse(self.stock_ids[slot], pieces[first:], mission.direction)
 
     def continue_as(self, slot: int, duty: Duty) -> None:

@@ -120,6 +120,24 @@ def test_the_same_seed_is_the_same_run_and_another_is_not(turn_back: str) -> Non
     assert digests[0] == digests[1] != digests[2]
 
 
+def test_a_train_that_turns_over_a_joint_has_its_front_where_its_rear_was(tmp_path: Path) -> None:
+    """Its front at 550 m going down, 40 m long: its rear lies 10 m before the toe of P5, beyond a piece of 10 m."""
+    line = load_scenario("rtri_test_line").setup.line
+    for kind in (CarrierKind.SUMO, CarrierKind.PLAIN):
+        carrier = carrier_factory(kind, line, net_for(line, tmp_path))(0.0, None)
+        carrier.insert("K1", ("6", "P7.stem"), Direction.DOWN, 20.0, 40.0)
+        carrier.run([], 1)
+        carrier.reverse("K1", ("6", "P5.stem", "P5.normal", "3"), Direction.UP)
+        carrier.run([("K1", [0.0])], 1)
+        seen = carrier.truth("K1")
+        assert (seen.piece_id, seen.direction) == ("P5.normal", Direction.UP)
+        assert seen.offset_m == pytest.approx(10.0, abs=1e-4)
+        carrier.run([("K1", [10.0] * 50)], 50)
+        seen = carrier.truth("K1")
+        assert (seen.piece_id, seen.offset_m) == ("3", pytest.approx(10.0 + 49.5 - 50.0, abs=1e-3))
+        carrier.close()
+
+
 def test_a_train_that_moves_in_the_step_in_which_it_turns_keeps_what_it_ran(tmp_path: Path) -> None:
     """SUMO turns it in its next step and is put right afterwards: by the turn, not back to a stand."""
     line = load_scenario("rtri_test_line").setup.line

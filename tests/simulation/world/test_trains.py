@@ -111,6 +111,28 @@ def test_changing_ends(placed: Trains, rtri_setup: Setup) -> None:
     assert placed.pool.tag_ids[truth.tag_next] == 851
 
 
+@pytest.mark.parametrize(("at_m", "turns"), [(980.0, True), (965.0, True), (1051.0, False)])
+def test_it_turns_where_all_of_it_is_on_its_way_back(
+    placed: Trains, rtri_setup: Setup, at_m: float, turns: bool
+) -> None:
+    """At km 0.965 its rear is still on the points that it goes back over, at km 1.051 its front on those ahead."""
+    moved(placed, at_m - 440.0)
+    assert placed.can_turn(0, back_duty(rtri_setup)) is turns
+    if turns:
+        placed.turn(0, back_duty(rtri_setup))
+        assert placed.kilometrage_m(0) == pytest.approx(at_m - 40.0)
+        placed.compare([0], [placed.carrier.truth("K1")])
+
+
+def test_it_does_not_turn_with_its_rear_on_a_way_that_it_does_not_go_back(
+    placed: Trains, rtri_setup: Setup
+) -> None:
+    """It came over the reverse leg and is to go back over the normal one."""
+    moved(placed, 965.0 - 440.0)
+    placed.pieces_under = lambda _slot: {"8", "P7.reverse"}  # type: ignore[method-assign]
+    assert not placed.can_turn(0, back_duty(rtri_setup))
+
+
 def test_going_on_as_another_train(placed: Trains, rtri_setup: Setup) -> None:
     moved(placed, MARK_B_M - MARK_A_M)
     train = replace(
