@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onboard.driving.pattern import lowered_by, lowered_mps
-from onboard.driving.supervision import RESERVE_M, path_index
+from onboard.driving.supervision import RESERVE_M, fastest_share, path_index
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
@@ -82,7 +82,10 @@ def limit_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]) ->
     ahead = pattern_mps(unit, behaviour, path, unit.position_m + max(unit.speed_mps * LOOK_AHEAD_S, 1.0))
     ceiling = path[path_index(unit, unit.position_m + unit.bound_ahead_m + RESERVE_M)].permitted_mps
     ceiling, settings = min(ceiling, unit.restricted_mps), behaviour.settings
-    limit = min(here, ahead, lowered_mps(unit.permitted_mps, ceiling, settings.service_margin_mps))
+    # Supervision brakes a margin above what is permitted, by the speed that there may be; driving stays below both.
+    braked_mps = (unit.permitted_mps + settings.service_margin_mps) / fastest_share(unit)
+    shown_mps = min(unit.permitted_mps, braked_mps)
+    limit = min(here, ahead, lowered_mps(shown_mps, ceiling, settings.service_margin_mps))
     return float(
         min(limit, lowered_mps(unit.restricted_mps, unit.restricted_mps, settings.driving_margin_mps))
     )

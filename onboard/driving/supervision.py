@@ -2,7 +2,8 @@
 
 Invariant: with the guaranteed brakes, a train supervised here never brings its front past `stop_limit_m`, because
 the permitted speed leaves room for the reaction time, for what the train gains in it while the motors pull on as
-they do now, and for the position's bound ahead. (Motors that only begin to pull are within the reaction's reserve.)
+they do now, and for the position's bound ahead. It counts as fast as it may be by wheels that are as large as the
+bounds allow for. (Motors that only begin to pull are within the reaction's reserve.)
 """
 
 from __future__ import annotations
@@ -73,6 +74,12 @@ def stop_curve_mps(
 
 
 @compiled
+def fastest_share(unit: UnitRow) -> float:
+    """What a metre that the wheels show is worth at most, as far as they are known."""
+    return float(unit.odometer_scale + unit.bound_growth)
+
+
+@compiled
 def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
     """Set the permitted speed and the intervention of this step; returns event bits."""
     front_m = unit.position_m + unit.bound_ahead_m + RESERVE_M
@@ -95,11 +102,12 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
         gravity_share,
     )
     before = unit.intervention
-    speed = unit.speed_mps
+    fastest = fastest_share(unit)
+    speed = unit.speed_mps * fastest
     # What the motors give, gravity apart, which is in `climb_m`; the smoothed acceleration may still be that of
     # the gradient a second ago.
     slope = max(slope_at(unit, path, front_m), slope_at(unit, path, front_m - speed * SMOOTHED_S))
-    gain = max(unit.acceleration_mps2 + gravity_share * slope, 0.0)
+    gain = max(unit.acceleration_mps2 * fastest + gravity_share * slope, 0.0)
     service = min(ceiling, service_stop)
     unit.permitted_mps = service
     emergency = min(

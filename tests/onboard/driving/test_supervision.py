@@ -70,11 +70,13 @@ def prepared(limit_m: float) -> UnitRow:
     bound_m=st.floats(0.0, 20.0),
     length_m=st.sampled_from([20.0, 40.0, 120.0]),
     service_works=st.booleans(),
+    larger=st.floats(0.0, 0.02),
 )
-@example([0.0] * 10, 400.0, 0.6, 0.0, 40.0, False)
-@example([0.0, 0.0, 6.0, *[0.0] * 7], 1132.0, 0.5, 0.0, 20.0, False)  # over a crest within the reaction time
-@example([-25.0] * 10, 2000.0, 0.6, 0.0, 40.0, False)
-@example([-25.0] * 5 + [25.0] * 5, 1400.0, 0.6, 0.0, 120.0, False)
+@example([0.0] * 10, 400.0, 0.6, 0.0, 40.0, False, 0.0)
+@example([0.0, 0.0, 6.0, *[0.0] * 7], 1132.0, 0.5, 0.0, 20.0, False, 0.0)  # over a crest within the reaction time
+@example([-25.0] * 10, 2000.0, 0.6, 0.0, 40.0, False, 0.0)
+@example([-25.0] * 5 + [25.0] * 5, 1400.0, 0.6, 0.0, 120.0, False, 0.0)
+@example([0.0] * 10, 1400.0, 0.6, 0.0, 40.0, False, 0.02)
 def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
     train: TrainRow,
     behaviour: BehaviourRow,
@@ -84,8 +86,11 @@ def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
     bound_m: float,
     length_m: float,
     service_works: bool,
+    larger: float,
 ) -> None:
     """Full power until something intervenes, over hills, the front ahead of its estimate by all of the bound.
+
+    Its wheels are larger by so much than the tachometer is set for, which shows less than there is: 2 % are stated.
 
     Simulated here on its own: mean gradient under the train; the brake does nothing while the motors still
     push, for the whole reaction time (one sampling step of it is the computer's), then it has its guaranteed value.
@@ -96,7 +101,7 @@ def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
     long.length_m = length_m
     path = pattern_of(elevation_m, np.zeros(TRACK_M), np.full(TRACK_M, 27.0), long, behaviour)
     unit = prepared(limit_m)
-    unit.bound_ahead_m = bound_m
+    unit.bound_ahead_m, unit.bound_growth = bound_m, larger
     front_m, speed, since_s, cut = unit.position_m + bound_m, 0.0, 0.0, False
     metres = np.arange(TRACK_M)
     for _ in range(3000):
@@ -118,7 +123,7 @@ def test_with_the_guaranteed_brake_no_train_passes_its_stop_limit(
         front_m += (speed + after) / 2.0 * STEP_S
         speed = after
         assert front_m <= limit_m
-        locate(unit, long, front_m - 50.0 - bound_m, speed, STEP_S)
+        locate(unit, long, (front_m - 50.0 - bound_m) / (1.0 + larger), speed / (1.0 + larger), STEP_S)
         supervise(unit, long, behaviour, path)
         if speed == 0.0 and (cut or acceleration <= 0.0):  # it stands for good
             break
@@ -168,6 +173,21 @@ def test_interventions(train: TrainRow, behaviour: BehaviourRow, track: Callable
         unit.speed_mps = speed_mps
         assert supervise(unit, train, behaviour, path) == events
         assert unit.intervention == intervention
+
+
+@pytest.mark.parametrize("growth", [0.0, 0.02, 0.2])
+def test_driving_stays_below_where_supervision_brakes_however_little_the_wheels_are_known(
+    train: TrainRow, behaviour: BehaviourRow, track: Callable[..., Rows], growth: float
+) -> None:
+    """Of a limit of 27 m/s wheels that may be worth a fifth more leave 27.6 / 1.2 - 0.6 = 22.4 m/s, as they show it."""
+    path = track(np.zeros(TRACK_M), 27.0)
+    unit = prepared(np.inf)
+    unit.bound_growth = growth
+    unit.permitted_mps = 27.0
+    unit.speed_mps = limit_mps(unit, behaviour, path)
+    assert supervise(unit, train, behaviour, path) == 0
+    assert unit.intervention == NO_INTERVENTION
+    assert unit.speed_mps == pytest.approx(min(27.0 - 1.2, 27.6 / (1.0 + growth) - 0.6))
 
 
 def test_the_restricted_speed_is_a_ceiling(
