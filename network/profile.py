@@ -139,29 +139,6 @@ def heights_of(line: Line) -> dict[str, tuple[tuple[float, float], ...]]:
     return heights
 
 
-def gradient_permille_at(line: Line, path: Path, path_m: float) -> float:
-    """Gradient (permille) at a path coordinate (m), positive where the train climbs."""
-    step = path.step_at(path_m)
-    kilometrage_m = step.kilometrage_m(path_m)
-    gradients = _alignment(line, step).gradients
-    for gradient in gradients:
-        if kilometrage_m < gradient.to_m:
-            return gradient.permille * step.direction
-    return gradients[-1].permille * step.direction
-
-
-def curvature_at(line: Line, path: Path, path_m: float) -> float:
-    """Curvature (1/m) at a path coordinate (m), positive where the train turns to the right."""
-    step = path.step_at(path_m)
-    kilometrage_m = step.kilometrage_m(path_m)
-    for curve in _alignment(line, step).curves:
-        if curve.from_m <= kilometrage_m <= curve.to_m:
-            from_end_m = min(kilometrage_m - curve.from_m, curve.to_m - kilometrage_m)
-            share = min(from_end_m / curve.transition_m, 1.0) if curve.transition_m > 0 else 1.0
-            return share * step.direction / curve.radius_m
-    return 0.0
-
-
 def _alignment(line: Line, step: PathStep) -> Alignment:
     return line.alignments[line.pieces[step.piece_id].alignment_id]
 

@@ -120,7 +120,8 @@ class UnitMotion:
         self._length_m: Final = float(train.length_m)
         self._behaviour: Final = behaviour
         self._mission: Mission | None = None
-        self._placed: Mission | None = before and before._placed  # on whose path its coordinates are
+        # The one on whose path its coordinates are.
+        self._placed: Mission | None = None if before is None else before._placed
         self._starts_m, self._ends_m = list[float](), list[float]()
         self._joints_m, self._marks_m = list[float](), list[float]()
         self._tags: Mapping[int, tuple[int, PathTag]] = {}

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from network.files.line_file import parse_line
 from network.model import Direction, Line
 from network.path import Path, path_of
-from network.profile import PROFILE, Profiles, curvature_at, gradient_permille_at, heights_of, profile_of
-from tests.network.sample import LINE, changed
+from network.profile import PROFILE, Profiles, heights_of, profile_of
+from tests.network.sample import LINE, changed, curvature_at, gradient_permille_at
 
 DOWN = [
     "P",

@@ -319,7 +319,7 @@ def test_ends_changed_without_a_position_by_an_estimate_off_the_way_back(
     assert back.path.kilometrage_m(float(motion.row.position_m)) == pytest.approx(420.0)
     assert motion.row.position_known == 0
     motion.go_on(mission, path)
-    assert mission.path.kilometrage_m(float(motion.row.position_m)) == pytest.approx(460.0)  # where its front was
+    assert mission.path.kilometrage_m(float(motion.row.position_m)) == pytest.approx(460.0)
 
 
 def test_switched_on_for_the_way_back_no_place_on_it_is_passed(

@@ -111,11 +111,7 @@ def test_the_front_is_inside_whichever_axle_lies_and_however(
             assert out_m <= PULSE_M
 
 
-@given(
-    st.lists(
-        st.tuples(st.floats(0.3, 8.0), st.floats(0.9, 1.1), st.booleans()), min_size=2, max_size=6
-    )
-)
+@given(st.lists(st.tuples(st.floats(0.3, 8.0), st.floats(0.9, 1.1), st.booleans()), min_size=2, max_size=6))
 @example([(0.6, 0.93, False), (4.0, 1.0, True), (0.4, 0.93, False)])
 @example([(0.6, 1.07, False), (4.0, 1.0, True), (0.4, 1.07, False)])
 def test_what_axles_differ_by_after_a_fix_is_in_the_bounds_whatever_was_counted_before_it(
@@ -165,7 +161,9 @@ def test_a_tag_passed_while_the_last_axle_counts_for_the_tachometer() -> None:
     assert ride.unit.liar == TACHOMETER_LIES
     list(ride.go(POWER_MPS2, 30.0, stuck(8.0)))
     since_m = 1.0
-    turned_m = ride.turned_m + float(ride.unit.odometer_off_m) - 8.0 * STEP_S * since_m / (ride.speed_mps * STEP_S)
+    turned_m = (
+        ride.turned_m + float(ride.unit.odometer_off_m) - 8.0 * STEP_S * since_m / (ride.speed_mps * STEP_S)
+    )
     fix = tag_fix(ride.unit, ride.true_m - since_m, turned_m, PULSE_M)
     assert fix.position_m - fix.behind_m <= ride.true_m <= fix.position_m + fix.ahead_m
 

@@ -15,7 +15,7 @@ from network.graph import next_pieces
 from network.model import Direction, Line
 from network.path import Path as Way
 from network.path import path_of
-from network.profile import curvature_at, profile_of
+from network.profile import profile_of
 from onboard.localisation.curvature_map import (
     CurvatureMap,
     FirstRunRecord,
@@ -29,6 +29,7 @@ from onboard.localisation.curvature_map import (
 )
 from onboard.localisation.curvature_map_file import read_map, write_map
 from onboard.localisation.spatial_filter import CORNER_M, SETTLES_M, delay_m, sections
+from tests.network.sample import curvature_at
 
 MOUNTING = Mounting(3.1, 13.8)
 NUMBERS = np.array(sections(CORNER_M))
