@@ -217,8 +217,8 @@ class UnitMotion:
         joints_m, marks_m = self._joints_m, self._marks_m
         # Still moving, the mark just ahead is yet to be stopped at; one left before is not.
         within_m = ARRIVED_WITHIN_M if stands else -ARRIVED_WITHIN_M
-        nearest = min(range(len(marks_m)), key=lambda i: abs(marks_m[i] - position_m))
-        near = nearest if abs(marks_m[nearest] - position_m) < ARRIVED_WITHIN_M else -1
+        near = bisect_right(marks_m, position_m - ARRIVED_WITHIN_M)
+        near = near if near < len(marks_m) and marks_m[near] < position_m + ARRIVED_WITHIN_M else -1
         return PlaceInJoints(
             known=True,
             covered=covered_at(self._line, mission.path, position_m),
@@ -453,7 +453,7 @@ class UnitMotion:
         """No further than the section it is in; to the next mark, if it knows where that is."""
         row, mission = self.row, self._mission
         self._pace.give_up_plan()
-        row.rear_trigger_m = row.stop_limit_m = aim_m = math.inf
+        row.rear_trigger_m, row.stop_limit_m, aim_m = self.crossings.clears_at_m(), math.inf, math.inf
         if row.position_known and mission is not None:
             row.stop_limit_m = mission.span_at(row.position_m).end_m
             aim_m = mission.mark_ahead_m(row.position_m, moves=bool(row.speed_mps > 0.0))
@@ -471,8 +471,7 @@ class UnitMotion:
         if mission is None:
             return
         limit_m = self.crossings.nearer(joint_m := self._joint_m(command.limit.joint), command.guarded)
-        moved = limit_m != row.stop_limit_m and row.speed_mps == 0.0
-        row.stop_limit_m = limit_m
+        moved, row.stop_limit_m = limit_m != row.stop_limit_m and row.speed_mps == 0.0, limit_m
         row.mode = MODE_DRIVE if command.drive else MODE_HOLD
         if DrivingOrder.DEPART in command.orders:
             row.braking_to_stop = 0
@@ -485,7 +484,8 @@ class UnitMotion:
                 self._off_plan = False
             self._aim(there.mark_m, self.crossings.nearer(joint_m, command.before_crossing))
         end_m = math.inf if command.rear is None else self._ends_m[command.rear]
-        row.rear_trigger_m = self._doubt.release_trigger_m(end_m, self._length_m)
+        freed_m = self._doubt.release_trigger_m(end_m, self._length_m)
+        row.rear_trigger_m = min(freed_m, self.crossings.clears_at_m())
 
     def _joint_m(self, joint: int) -> float:
         return self._starts_m[joint] if joint < len(self._starts_m) else self._ends_m[-1]

@@ -56,15 +56,8 @@ export function schematic(known, words, pick) {
     svg.append(group);
   }
   svg.append(...crossingSigns(known, boxes, MIDDLE, words, chosen));
-  const ends = [-Infinity, -Infinity, -Infinity]; // of the names on each line, from the lowest
-  for (const station of [...welcome.stations].sort((a, b) => a.at_m - b.at_m)) {
-    const box = [...boxes.values()].find((one) => one.from_m <= station.at_m && station.at_m <= one.to_m);
-    if (!box) continue;
-    const x = along(box, station.at_m);
-    const name = words.lang === "ja" ? station.name_ja : station.name, half = name.length * (words.lang === "ja" ? 6.5 : 3.8);
-    const row = Math.max(ends.findIndex((end) => end < x - half - 6), 0);
-    ends[row] = x + half;
-    svg.append(drawn("line", { x1: x, x2: x, y1: 41 - row * 14, y2: 46, stroke: "#1c1c1c" }), label(x, 39 - row * 14, name, "middle"));
+  for (const { x, row, name } of namesInRows(welcome.stations, [...boxes.values()], words.lang === "ja")) {
+    svg.append(drawn("line", { class: "lead", x1: x, x2: x, y1: 41 - row * 14, y2: 46, stroke: "#1c1c1c" }), label(x, 39 - row * 14, name, "middle"));
   }
   svg.append(marks); // above the sections, as a mark may stand over two of them
   const silent = (id) => state.silent.includes(id) ? ` ✕ ${words.say("no power", {}, "desk")}` : "";
@@ -75,6 +68,21 @@ export function schematic(known, words, pick) {
     svg.append(group);
   });
   return svg;
+}
+
+/** In which of three rows, from the lowest, a station's name stands: over no other, nor over what leads down from one above. */
+function namesInRows(stations, boxes, japanese) {
+  const placed = [];
+  const named = stations.flatMap((station) => {
+    const box = boxes.find((one) => one.from_m <= station.at_m && station.at_m <= one.to_m), name = japanese ? station.name_ja : station.name;
+    return box ? [{ x: along(box, station.at_m), half: name.length * (japanese ? 6.5 : 3.8), name }] : [];
+  });
+  for (const one of named.sort((a, b) => a.half - b.half || a.x - b.x)) { // a long name finds room above short ones
+    const room = (row, other) => other.row === row ? one.half + other.half + 6 : (other.row > row ? one.half : other.half) + 2;
+    const clashes = [0, 1, 2].map((row) => placed.filter((other) => Math.abs(one.x - other.x) < room(row, other)).length);
+    placed.push({ ...one, row: clashes.indexOf(Math.min(...clashes)) });
+  }
+  return placed;
 }
 
 function trainMark(box, train, i, chosen) {

@@ -32,7 +32,7 @@ from vehicle.running_time import predicted_run
 
 STOPS_SHORT_M: Final = 2.0  # the movement limit lies so far before the road
 CLOSELY_S: Final = (
-    10.0  # so long before it may have to be asked, at top speed all the way, its run is predicted
+    20.0  # so long before it may have to be asked, at top speed all the way, its run is predicted
 )
 PREDICTION_STEP_S: Final = 0.5
 AGES_S: Final = (
@@ -228,6 +228,13 @@ class CrossingsAhead:
         """The movement limit, m: as it is, or before this crossing if that comes first; empty: before none."""
         return min(limit_m, self._starts_m.get(crossing_id, math.inf) - STOPS_SHORT_M)
 
+    def clears_at_m(self) -> float:
+        """Where the safe rear leaves the first crossing that it has not left, m; infinite: there is none."""
+        if not self._on_path:
+            return math.inf
+        rear_m = self._rear_m()
+        return min((one.end_m for one in self._on_path if one.end_m > rear_m), default=math.inf)
+
     def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
         """How the train is to each of them now, up to the first that is far ahead; None: its position is unknown."""
         row, mission = self._row, self._mission
@@ -236,7 +243,7 @@ class CrossingsAhead:
         self._front_m, rear_m = float(row.position_m), self._rear_m()
         found: list[CrossingPlace] = []
         for one in self._on_path:
-            if one.end_m < rear_m:
+            if one.end_m <= rear_m:
                 found.append(one.behind)
                 continue
             found.append(self._place(one, mission, load_share))
@@ -262,7 +269,6 @@ class CrossingsAhead:
         return msgspec.structs.replace(
             behind,
             stands=speed_mps == 0.0,
-            clears_s=(one.end_m - self._rear_m()) / speed_mps if entered and speed_mps > 0.0 else math.inf,
             entered=entered,
             arrives_s=arrives_s,
             fastest_s=fastest_s,

@@ -57,11 +57,11 @@ class CrossingPlace(msgspec.Struct, frozen=True):
 
     From now on, s: `arrives_s` until its front is there by the run that it means, `fastest_s` by the fastest possible,
     `proof_s` until it must know the crossing closed so that it need not brake; infinite: it does not come there yet.
-    `clears_s`: until its rear is beyond at the present speed. `warning_s`, `closing_s` and `least_s` are the line's:
-    the whole warning, its part until closed, and from closed to the front at least. `span` and `stop`: in which span of
-    the plan it lies, and which stop is the last before it. `entered`: the front may be on it, `under`: surely is, or
-    was, `beyond`: surely has left it, `clear`: the rear too. `stands`: the train does. `departs`: no contact warns of
-    it, so it does not start before the crossing has proved closed, or will have in time.
+    `warning_s`, `closing_s` and `least_s` are the line's: the whole warning, its part until closed, and from closed to
+    the front at least. `span` and `stop`: in which span of the plan it lies, and which stop is the last before it.
+    `entered`: the front may be on it, `under`: surely is, or was, `beyond`: surely has left it, `clear`: the rear too;
+    who sees that looks at once. `stands`: the train does. `departs`: no contact warns of it, so it does not start
+    before the crossing has proved closed, or will have in time.
     """
 
     crossing_id: str
@@ -73,7 +73,6 @@ class CrossingPlace(msgspec.Struct, frozen=True):
     arrives_s: float = math.inf
     fastest_s: float = math.inf
     proof_s: float = math.inf
-    clears_s: float = math.inf
     entered: bool = False
     under: bool = False
     beyond: bool = False
@@ -208,12 +207,9 @@ def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> flo
         case CrossingPhase.PROVEN:
             waits = place is not None and not may_pass(view, place, now_s)
             return now_s + 1.0 if waits else min(_again_s(view, place, now_s), view.until_s)
-        case CrossingPhase.PASSING:
-            clears_s = math.inf if place is None else max(place.clears_s, 0.1)
-            return min(_again_s(view, place, now_s), now_s + clears_s)
         case CrossingPhase.ASKED if place is not None and not math.isfinite(place.arrives_s):
             return min(now_s + REFRESH_S, view.idle_s + GIVE_UP_S)
-        case CrossingPhase.ASKED:
+        case CrossingPhase.ASKED | CrossingPhase.PASSING:
             return _again_s(view, place, now_s)
         case CrossingPhase.LEAVING:
             return view.said_s + REPEAT_S

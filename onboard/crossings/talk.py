@@ -63,7 +63,9 @@ class CrossingTalk:
         self._places: Mapping[str, CrossingPlace] = {}
         self._goes_on = self._stands = False
         self._correlations: dict[str, int] = {}
-        self._live: list[str] = []  # those that matter: ahead, announced, or yet to hear that it is over them
+        self._announced: dict[str, None] = {}  # those that have heard of it, or are yet to hear that it is over them
+        self._live: list[str] = []  # those that matter: ahead or announced
+        self.creeps = False  # the train runs on sight over a crossing that has not proved closed
         self._held: tuple[float, str] | None = None  # what `held_before` has found, and when
 
     def look(
@@ -88,11 +90,7 @@ class CrossingTalk:
             self._views[crossing_id] = view
             here[crossing_id] = _as_it_runs(place, state, leaves_in_s)
             self._stands = self._stands or place.stands
-        self._live = [
-            crossing_id
-            for crossing_id, view in self._views.items()
-            if view.phase is not CrossingPhase.AHEAD or crossing_id in here
-        ]
+        self._live = [*here, *(crossing_id for crossing_id in self._announced if crossing_id not in here)]
         for crossing_id in self._live:
             self._take(crossing_id, CrossingSeen(here.get(crossing_id)), now_s)
 
@@ -166,11 +164,6 @@ class CrossingTalk:
             return ""
         return place.crossing_id if self._goes_on and math.isfinite(place.arrives_s) else ""
 
-    @property
-    def creeps(self) -> bool:
-        """Whether the train runs on sight over a crossing that has not proved closed."""
-        return any(view.creeps for view in self._views.values())
-
     def wake_s(self, now_s: float) -> float:
         """When to look again; infinite: not before something happens."""
         seen = self._places
@@ -184,6 +177,12 @@ class CrossingTalk:
         before, self._held = self._views[crossing_id], None
         after, actions = step(before, event, now_s)
         self._views[crossing_id] = after
+        if after.phase is CrossingPhase.AHEAD:
+            self._announced.pop(crossing_id, None)
+        else:
+            self._announced[crossing_id] = None
+        if after.creeps is not before.creeps:
+            self.creeps = any(view.creeps for view in self._views.values())
         if after.phase in _ANNOUNCED and before.phase not in _ANNOUNCED:
             self._correlations[crossing_id] = self._correlations.get(crossing_id, NEVER_ASKED) + 1
         for action in actions:

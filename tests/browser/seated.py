@@ -52,15 +52,17 @@ def serious(page: Any) -> list[tuple[str, str, list[str]]]:  # noqa: ANN401
 
 
 def overlapping(page: Any) -> Any:  # noqa: ANN401
-    """Texts of the line that lie over each other."""
+    """Texts of the line that lie over each other, or under what leads down from the name of a station."""
     return page.evaluate(
         """() => {
           const texts = [...document.querySelectorAll('.schematic text')]
             .map((text) => [text.textContent, text.getBoundingClientRect()]);
-          return texts.flatMap(([one, a], i) => texts.slice(i + 1).filter(([, b]) =>
-            Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
-            && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
-            .map(([other]) => `${one} | ${other}`));
+          const over = (a, b, wide) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > wide
+            && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3;
+          const leads = [...document.querySelectorAll('.schematic .lead')].map((lead) => lead.getBoundingClientRect());
+          return texts.flatMap(([one, a], i) => [
+            ...texts.slice(i + 1).filter(([, b]) => over(a, b, 1)).map(([other]) => `${one} | ${other}`),
+            ...leads.filter((lead) => over(a, lead, -1)).map(() => `${one} | a lead`)]);
         }"""
     )
 

@@ -41,7 +41,6 @@ from radio.messages import (
 )
 from simulation.duties import Duties
 from simulation.setup import Setup, behaviour_rows
-from simulation.world import crew
 from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import Duty
@@ -382,13 +381,6 @@ def waits_where_no_radio_reaches(patch: pytest.MonkeyPatch) -> None:
 def waits_for_units_to_end_trains(patch: pytest.MonkeyPatch) -> None:
     """By substitute working nobody turns a train whose unit, without a manager, does not end it."""
     patch.setattr(Duties, "is_to_turn", lambda *_: False)
-
-
-@switch
-def keeps_what_lies_beyond_a_gap(patch: pytest.MonkeyPatch) -> None:
-    """On sight, what the register gave it beyond what it lacks is its own until it comes there."""
-    for module in (arrival, on_sight, crew):
-        patch.setattr(module, "beyond_gap", lambda *_: ())
 
 
 @switch

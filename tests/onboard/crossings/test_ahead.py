@@ -2,6 +2,7 @@
 at 0.75 km lies from 387 to 393 m of the path of T1.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -94,8 +95,12 @@ def test_it_must_know_before_it_would_brake(ahead: CrossingsAhead) -> None:
 
 
 def test_it_clears_when_its_safe_rear_does(ahead: CrossingsAhead) -> None:
-    """At 400 m its safe rear is at 357 m, 36 m before the far edge: 3.6 s."""
-    assert place_at(ahead, 400.0).clears_s == pytest.approx(3.6)
+    """At 400 m its safe rear is at 357 m, 36 m before the far edge."""
+    assert not place_at(ahead, 400.0).clear
+    assert ahead.clears_at_m() == pytest.approx(393.0)
+    assert not place_at(ahead, 435.9).clear
+    assert place_at(ahead, 436.0).clear
+    assert ahead.clears_at_m() == math.inf
 
 
 def test_what_is_under_the_train_stays_under_it_when_it_turns(ahead: CrossingsAhead, back: Mission) -> None:

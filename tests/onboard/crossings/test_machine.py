@@ -158,8 +158,7 @@ def test_who_may_pass(view: CrossingView, place: CrossingPlace, now_s: float, ma
     assert may_pass(view, place, now_s) is may
 
 
-def test_it_looks_again_when_the_rear_is_beyond() -> None:
-    assert wake_s(PASSING_VIEW, replace(ON_IT, clears_s=2.5), 1.0) == 3.5
+def test_on_the_road_it_looks_again_when_it_is_to_say_that_it_still_is() -> None:
     assert wake_s(PASSING_VIEW, ON_IT, 1.0) == STILL_S
 
 

@@ -54,7 +54,6 @@ WITHOUT: Final = {  # what some were mended by
     "hour_101049": "waits_for_the_radio_without_a_position",
     "test_120890": "staff_call_nobody_back",
     "lines_110128": "waits_where_no_radio_reaches",
-    "lines_110234": "keeps_what_lies_beyond_a_gap",
     "swarm_test_93": "overtakes_before_a_portal",
 }
 NOT_BY_TRAINS: Final[dict[str, str]] = {  # what sees that which the trains that come do not show
