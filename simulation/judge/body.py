@@ -22,9 +22,9 @@ class Body:
     """One train. `path` runs in the direction of travel from the edge under the rear to that under the front.
 
     Nothing changes while the front stays on `edge_id` between `front_m` and `still_to_m`: the fast case.
-    `left` are edges that the rear has run off since the last look, in the direction of travel. `fresh` are edges run onto but not yet touched. `excepted` are sections it may occupy without holding them: where
-    it was put on the line (None until it is first seen). `overrun` are those that it came into outside the design
-    (`judge.rail`).
+    `left` are edges that the rear has run off since the last look, in the direction of travel, `fresh` those run onto
+    but not yet touched. `excepted` are sections it may occupy without holding them: where it was put on the line (None
+    until it is first seen). `overrun` are those that it came into outside the design (`judge.rail`).
     """
 
     unit_id: str

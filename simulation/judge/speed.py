@@ -1,7 +1,7 @@
 """No train faster than its own greatest speed and any limit under it, beyond what an intervention takes.
 
-By the truth, in each step that a train has run since the last look. Where limits lie is handed in, as they are and not as
-units have them. Supervision brakes by the emergency brake `margin_mps` above a limit, by the speed that wheels show,
+By the truth, in each step that a train has run since the last look. Where limits lie is handed in, as they are and not
+as units have them. Supervision brakes by the emergency brake `margin_mps` above a limit, by the speed that wheels show,
 and a train gains on until that acts.
 """
 

@@ -1,4 +1,4 @@
-"""A slow stretch is left by a train that believes itself 20 m ahead of where it is, with bounds of 70 m: by the truth."""
+"""A slow stretch is left by a train that believes itself 20 m ahead of where it is, with bounds of 70 m."""
 
 from pathlib import Path
 

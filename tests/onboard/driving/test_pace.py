@@ -143,7 +143,7 @@ def test_under_a_restricted_speed_it_holds_a_speed(
 def test_who_does_not_know_its_place_keeps_every_limit_of_its_path(
     at_start: Callable[..., UnitMotion], mission: Mission, path: Rows, limit_kmh: float, on_sight_kmh: float
 ) -> None:
-    """On sight at 15 km/h, or under what lies anywhere on its way; and where it knows its place, under what is there."""
+    """On sight at 15 km/h, or under what lies anywhere on its way; who knows its place, under what is there."""
     motion, slow = at_start(), path.copy()
     slow["permitted_mps"][300:340] = limit_kmh / 3.6
     motion.go_on(mission, PathData(slow, 0))
