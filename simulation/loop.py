@@ -29,7 +29,7 @@ from simulation.faults.script import Act, Script, ScriptedFault
 from simulation.foreseen import ForeseenStretch, Stretches, TrainMotion
 from simulation.injector import Injector
 from simulation.journal import Journal
-from simulation.judge.speed import RunSince
+from simulation.judge.speed import NOT_RUN, RunSince
 from simulation.late_day import late_day
 from simulation.people import Pause
 from simulation.platforms import Platforms
@@ -341,7 +341,7 @@ class Simulation:
         if hit and self._carrier.collisions():
             # The kernel may have run on beyond it, so its sums are no measure any more.
             active = trains.active()
-            self._observe(active, [None] * len(active))
+            self._observe(active, [NOT_RUN] * len(active))
             self._collided()
             return
         if moving:
@@ -373,7 +373,7 @@ class Simulation:
             if self.on_board.shown_to_driver(slot).on_sight:
                 self._cabs.tell(slot, self._step, (Looked(),))
 
-    def _observe(self, slots: list[int], runs: Iterable[RunSince | None]) -> list[Truth]:
+    def _observe(self, slots: list[int], runs: Iterable[RunSince]) -> list[Truth]:
         """Truth to the checkers, and how each ran there; only trains that moved can have changed anything."""
         now_s = self.now_s
         seen = [self._carrier.truth(self.trains.stock_ids[slot]) for slot in slots]

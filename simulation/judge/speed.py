@@ -40,10 +40,13 @@ NO_LIMITS: Final = TrueLimits(MappingProxyType({}), MappingProxyType({}), 0.0)
 
 
 class RunSince(NamedTuple):
-    """How a train has run since the last look: its speed at the end of each step, m/s, the last one now."""
+    """How a train has run since the last look: its speed at the end of each step, m/s, the last one now; if any."""
 
     step_s: float
     speeds_mps: Sequence[float]
+
+
+NOT_RUN: Final = RunSince(0.0, ())
 
 
 class LimitNearby(NamedTuple):
@@ -63,14 +66,15 @@ class SpeedWatch:
     def observe(self, t_s: float, body: Body, rail: RailWatch, ran: RunSince) -> None:
         """The train was seen; of the steps that it `ran` the one in which it was too fast by most counts."""
         allowed_mps = self._limits.margin_mps + GAINED_MPS
-        lower_mps = max(ran.speeds_mps) - allowed_mps  # a limit that is not under this nothing was above
+        speeds_mps = ran.speeds_mps or (body.speed_mps,)
+        lower_mps = max(speeds_mps) - allowed_mps  # a limit that is not under this nothing was above
         top_mps = self._limits.tops_mps.get(body.unit_id, math.inf)
         nearby = self._nearby(body, lower_mps)
         if not nearby and lower_mps <= top_mps:
             return
         worst_mps, worst_s, worst_limit_mps, speed_mps = allowed_mps, t_s, top_mps, 0.0
-        front_m, after_mps = 0.0, ran.speeds_mps[-1]
-        for steps, mps in enumerate(reversed(ran.speeds_mps)):
+        front_m, after_mps = 0.0, speeds_mps[-1]
+        for steps, mps in enumerate(reversed(speeds_mps)):
             front_m -= (mps + after_mps) / 2.0 * ran.step_s if steps else 0.0
             after_mps, rear_m = mps, front_m - body.length_m
             under = [each.speed_mps for each in nearby if each.from_m < front_m and each.to_m > rear_m]

@@ -63,3 +63,10 @@ def test_an_edge_that_the_train_ran_over_between_two_looks_counts() -> None:
     body.speed_mps = 19.6
     watch.observe(100.0, body, RailWatch(0.8, {}), RunSince(STEP_S, [19.6] * 25))
     assert [v.text for v in log.violations] == ["A runs at 19.6 m/s where no more than 10.0 m/s is allowed"]
+
+
+def test_a_train_that_is_seen_again_before_it_has_run_is_as_fast_as_it_is(before_the_limit: Stage) -> None:
+    stage = before_the_limit.see("B", ("E-", 271.0), speed_mps=17.9)
+    assert stage.checkers.counts.get(Checker.TOO_FAST, 0) == 0
+    stage.checkers.observe(stage.t_s, "B", "E-", 271.0, 18.1, RunSince(STEP_S, ()))
+    assert stage.checkers.counts[Checker.TOO_FAST] == 1
