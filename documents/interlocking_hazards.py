@@ -307,7 +307,8 @@ HAZARDS: Final = (
     Hazard(
         "A train runs faster than its way allows",
         "driver or automatic driving keep no limit, or units have it otherwise than it is",
-        "supervision brakes by the limits over the whole train, by the service brake and then the emergency brake",
+        "supervision brakes by the limits over the whole train, wherever within its bounds it may stand, by the service"
+        " brake and then the emergency brake; who does not know its place keeps under every limit of its path",
         ("onboard.driving.supervision", "onboard.driving.pattern"),
         (Checker.TOO_FAST,),
         (),

@@ -418,7 +418,7 @@ class UnitMotion:
         self._fixes.doubt(tight=why == NO_ROOM)
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known, self._to_be_seen = 0, False
-        row.restricted_mps = self._parameters.restricted_mps
+        row.restricted_mps = self._pace.sight_mps
         row.intervention = EMERGENCY_INTERVENTION
         self._pace.give_up_plan()
         return [PositionLost()]
@@ -437,7 +437,7 @@ class UnitMotion:
         if DrivingOrder.LOSE in command.orders:
             self._lose(NO_ROOM)
         restricted = command.on_sight or command.sweeps or command.creeps or not row.position_known
-        row.restricted_mps = self._parameters.restricted_mps if restricted else math.inf
+        row.restricted_mps = self._pace.sight_mps if restricted else math.inf
         if command.on_sight:
             self._run_on_sight(command)
         else:

@@ -106,7 +106,8 @@ class UnitRow(Protocol):
     # authority and supervision
     stop_limit_m: Annotated[float, "停止限界: never passed by the front"]
     restricted_mps: Annotated[float, "speed ceiling of the operating mode (非常運転); +inf: none"]
-    permitted_mps: float
+    ceiling_mps: Annotated[float, "the least limit wherever the train may be, and that of the operating mode"]
+    permitted_mps: Annotated[float, "that, and what is left before the stop limit"]
     intervention: int
     # driving
     mode: int

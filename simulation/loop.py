@@ -6,7 +6,7 @@ Pure simulated time: a run is a function of its setup and seed. `step` counts st
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -29,6 +29,7 @@ from simulation.faults.script import Act, Script, ScriptedFault
 from simulation.foreseen import ForeseenStretch, Stretches, TrainMotion
 from simulation.injector import Injector
 from simulation.journal import Journal
+from simulation.judge.speed import NOT_RUN, RunSince
 from simulation.late_day import late_day
 from simulation.people import Pause
 from simulation.platforms import Platforms
@@ -339,11 +340,13 @@ class Simulation:
             self._moved_step = self._step
         if hit and self._carrier.collisions():
             # The kernel may have run on beyond it, so its sums are no measure any more.
-            self._observe(trains.active())
+            active = trains.active()
+            self._observe(active, [NOT_RUN] * len(active))
             self._collided()
             return
         if moving:
-            self._compare(moving, self._observe(moving))
+            ran = (RunSince(STEP_S, speeds) for _, speeds in self._stretches.columns(ahead, 0, hit or done))
+            self._compare(moving, self._observe(moving, ran))
         for slot, passed, events in bits:
             self._report(slot, passed, events)
         if self._charging is not None:
@@ -370,14 +373,14 @@ class Simulation:
             if self.on_board.shown_to_driver(slot).on_sight:
                 self._cabs.tell(slot, self._step, (Looked(),))
 
-    def _observe(self, slots: list[int]) -> list[Truth]:
-        """Truth to the checkers; only trains that moved can have changed anything."""
+    def _observe(self, slots: list[int], runs: Iterable[RunSince]) -> list[Truth]:
+        """Truth to the checkers, and how each ran there; only trains that moved can have changed anything."""
         now_s = self.now_s
         seen = [self._carrier.truth(self.trains.stock_ids[slot]) for slot in slots]
-        for slot, truth in zip(slots, seen, strict=True):
+        for slot, truth, ran in zip(slots, seen, runs, strict=True):
             edge = truth.piece_id + SIGN[truth.direction]
             stock_id = self.trains.stock_ids[slot]
-            self.checkers.observe(now_s, stock_id, edge, truth.offset_m, truth.speed_mps)
+            self.checkers.observe(now_s, stock_id, edge, truth.offset_m, truth.speed_mps, ran)
         return seen
 
     def _compare(self, slots: list[int], seen: list[Truth]) -> None:

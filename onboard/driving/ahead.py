@@ -7,8 +7,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from onboard.driving.pattern import lowered_by, lowered_mps
-from onboard.driving.supervision import RESERVE_M, fastest_share, path_index
+from onboard.driving.pattern import least_between, lowered_by, lowered_mps
+from onboard.driving.supervision import (
+    RESERVE_M,
+    fastest_share,
+    furthest_m,
+    least_permitted_mps,
+    nearest_m,
+    path_index,
+)
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
@@ -23,16 +30,17 @@ def kept_along_mps(
 ) -> NDArray[np.float64]:
     """`limit_mps` on each metre of a path, for a train that goes as fast as it may; shape (n,).
 
-    `bound_m`: by how much its front may be further on than it believes, on each metre; shape (n,).
+    `bound_m`: by how much its front may be off where it is believed, on each metre; shape (n,).
     """
     metres = np.arange(path.size)
-    furthest_m = bound_m + RESERVE_M
+    driving_mps = np.ascontiguousarray(path["driving_mps"])
     permitted_mps = lowered_by(path["permitted_mps"], 2.0 * behaviour.settings.service_margin_mps)
 
     def pattern(at_m: NDArray[np.int64]) -> NDArray[np.float64]:
-        here, there = (np.minimum(m.astype(np.int64), path.size - 1) for m in (at_m, at_m + furthest_m))
-        kept_mps = np.minimum(path["driving_mps"][here], permitted_mps[there])
-        return np.asarray(kept_mps, dtype=np.float64)
+        near_m, far_m = at_m - bound_m, at_m + bound_m + RESERVE_M
+        first, last = np.floor(near_m).astype(np.int64), np.floor(far_m).astype(np.int64)
+        least_mps = least_between(permitted_mps, first, last)
+        return np.minimum(least_between(driving_mps, first, at_m), least_mps)
 
     ahead_m = np.maximum(path["driving_mps"] * LOOK_AHEAD_S, 1.0).astype(np.int64)
     return np.maximum(np.minimum(pattern(metres), pattern(metres + ahead_m)), 0.0)
@@ -67,12 +75,15 @@ def own_at_mps2(
 def pattern_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void], position_m: float) -> float:
     """Speed to keep at a path coordinate by the limits: the driving curve, and well under the permitted speed.
 
-    That one counts from where the front may be at the furthest, so with a wide bound it is the lower.
+    Each holds until the rear has left it wherever the train may be, and the permitted speed counts from where the front
+    may be at the furthest: with wide bounds it is the lower.
     """
-    furthest_m = position_m + unit.bound_ahead_m + RESERVE_M
-    permitted = path[path_index(unit, furthest_m)].permitted_mps
-    permitted = lowered_mps(permitted, permitted, 2.0 * behaviour.settings.service_margin_mps)
-    return float(min(path[path_index(unit, position_m)].driving_mps, permitted))
+    near_m = nearest_m(unit, position_m)
+    permitted = least_permitted_mps(unit, path, near_m, furthest_m(unit, position_m))
+    driving = lowered_mps(permitted, permitted, 2.0 * behaviour.settings.service_margin_mps)
+    for row in range(path_index(unit, near_m), path_index(unit, position_m) + 1):
+        driving = min(driving, path[row].driving_mps)
+    return float(driving)
 
 
 @compiled
@@ -80,12 +91,11 @@ def limit_mps(unit: UnitRow, behaviour: BehaviourRow, path: NDArray[np.void]) ->
     """Speed that driving stays under, whatever its law: the limits here and ahead, and the permitted speed."""
     here = pattern_mps(unit, behaviour, path, unit.position_m)
     ahead = pattern_mps(unit, behaviour, path, unit.position_m + max(unit.speed_mps * LOOK_AHEAD_S, 1.0))
-    ceiling = path[path_index(unit, unit.position_m + unit.bound_ahead_m + RESERVE_M)].permitted_mps
-    ceiling, settings = min(ceiling, unit.restricted_mps), behaviour.settings
+    settings = behaviour.settings
     # Supervision brakes a margin above what is permitted, by the speed that there may be; driving stays below both.
     braked_mps = (unit.permitted_mps + settings.service_margin_mps) / fastest_share(unit)
     shown_mps = min(unit.permitted_mps, braked_mps)
-    limit = min(here, ahead, lowered_mps(shown_mps, ceiling, settings.service_margin_mps))
+    limit = min(here, ahead, lowered_mps(shown_mps, unit.ceiling_mps, settings.service_margin_mps))
     return float(
         min(limit, lowered_mps(unit.restricted_mps, unit.restricted_mps, settings.driving_margin_mps))
     )

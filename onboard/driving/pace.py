@@ -50,6 +50,7 @@ class Pace:
         self._meant: tuple[str, int, float] | None = None  # train, target, and when it means to be there
         self.climb_m: NDArray[np.float64] = np.zeros(1)
         self.driving_mps: NDArray[np.float64] = np.zeros(1)
+        self._least_mps = math.inf
         self._laid: PlanOnPath | None = None
 
     def take_up(self, rows: NDArray[np.void]) -> None:
@@ -58,7 +59,14 @@ class Pace:
         self.give_up_plan()
         self.climb_m = np.ascontiguousarray(rows["climb_m"])
         self.driving_mps = np.ascontiguousarray(rows["driving_mps"])
+        self._least_mps = float(rows["permitted_mps"].min())
         self._row.cruise_mps = math.inf
+
+    @property
+    def sight_mps(self) -> float:
+        """How fast the train may run on sight, m/s: while it does not know its place, under every limit of its path."""
+        limit_mps = math.inf if self._row.position_known else self._least_mps
+        return min(self._parameters.restricted_mps, limit_mps)
 
     def give_up_plan(self) -> None:
         """Follow no plan any more: it was for another way, another speed or another place than the train now has."""

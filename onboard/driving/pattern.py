@@ -41,15 +41,24 @@ def braking_curve(
     return curve
 
 
+def least_between(
+    values: NDArray[np.float64], first: NDArray[np.int64], last: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """The least of `values` from each row of `first` to that of `last`, both within; the ends go on; shape (n,)."""
+    first, last = (np.clip(rows, 0, values.size - 1) for rows in (first, last))
+    found, least, over = np.empty(first.size), values, 1  # two stretches make one of up to twice their length
+    rows = last - first + 1
+    while (rows >= over).any():
+        here = (rows >= over) & (rows < 2 * over)
+        found[here] = np.minimum(least[first[here]], least[last[here] + 1 - over])
+        least, over = np.minimum(least[over:], least[:-over]), 2 * over
+    return found
+
+
 def limit_for_length(limit_mps: NDArray[np.float64], length_m: float) -> NDArray[np.float64]:
     """Limit for the front of a train of `length_m` that must obey each limit with its whole length; shape (n,)."""
-    behind_m = round(np.ceil(length_m))
-    lengthened = np.concatenate([np.full(behind_m, limit_mps[0]), limit_mps])
-    least_mps, over = lengthened, 1  # the least of two stretches is that of the one that they make
-    while 2 * over <= behind_m + 1:
-        least_mps, over = np.minimum(least_mps[over:], least_mps[:-over]), 2 * over
-    rest = behind_m + 1 - over
-    return np.asarray(np.minimum(least_mps[rest:], least_mps[: least_mps.size - rest]), dtype=np.float64)
+    front = np.arange(limit_mps.size)
+    return least_between(limit_mps, front - round(np.ceil(length_m)), front)
 
 
 def limit_for_train(limit_mps: NDArray[np.float64], train: TrainRow) -> NDArray[np.float64]:

@@ -3,7 +3,8 @@
 Invariant: with the guaranteed brakes, a train supervised here never brings its front past `stop_limit_m`, because
 the permitted speed leaves room for the reaction time, for what the train gains in it while the motors pull on as
 they do now, and for the position's bound ahead. It counts as fast as it may be by wheels that are as large as the
-bounds allow for. (Motors that only begin to pull are within the reaction's reserve.)
+bounds allow for. (Motors that only begin to pull are within the reaction's reserve.) A limit holds from where the front
+may be at the furthest until the rear has left it, wherever the train may be.
 """
 
 from __future__ import annotations
@@ -80,13 +81,35 @@ def fastest_share(unit: UnitRow) -> float:
 
 
 @compiled
+def nearest_m(unit: UnitRow, position_m: float) -> float:
+    """Where the front is at least when it is believed at a path coordinate, m: from there back the train lies."""
+    return float(position_m - unit.bound_behind_m)
+
+
+@compiled
+def furthest_m(unit: UnitRow, position_m: float) -> float:
+    """Where the front is at most when it is believed at a path coordinate, m."""
+    return float(position_m + unit.bound_ahead_m + RESERVE_M)
+
+
+@compiled
+def least_permitted_mps(unit: UnitRow, path: NDArray[np.void], from_m: float, to_m: float) -> float:
+    """The least permitted speed of the rows from one path coordinate to another, m."""
+    least_mps = np.inf
+    for row in range(path_index(unit, from_m), path_index(unit, to_m) + 1):
+        least_mps = min(least_mps, path[row].permitted_mps)
+    return float(least_mps)
+
+
+@compiled
 def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
     """Set the permitted speed and the intervention of this step; returns event bits."""
-    front_m = unit.position_m + unit.bound_ahead_m + RESERVE_M
+    front_m = furthest_m(unit, unit.position_m)
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
     distance_m = unit.stop_limit_m - front_m
     climb_m = body_elevation_m(unit, path, unit.stop_limit_m) - body_elevation_m(unit, path, front_m)
-    ceiling = min(path[path_index(unit, np.ceil(front_m))].permitted_mps, unit.restricted_mps)
+    ceiling = least_permitted_mps(unit, path, nearest_m(unit, unit.position_m), np.ceil(front_m))
+    unit.ceiling_mps = ceiling = min(ceiling, unit.restricted_mps)
     service_stop = stop_curve_mps(
         distance_m,
         climb_m,

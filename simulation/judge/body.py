@@ -22,9 +22,9 @@ class Body:
     """One train. `path` runs in the direction of travel from the edge under the rear to that under the front.
 
     Nothing changes while the front stays on `edge_id` between `front_m` and `still_to_m`: the fast case.
-    `fresh` are edges run onto but not yet touched. `excepted` are sections it may occupy without holding them: where
-    it was put on the line (None until it is first seen). `overrun` are those that it came into outside the design
-    (`judge.rail`).
+    `left` are edges that the rear has run off since the last look, in the direction of travel, `fresh` those run onto
+    but not yet touched. `excepted` are sections it may occupy without holding them: where it was put on the line (None
+    until it is first seen). `overrun` are those that it came into outside the design (`judge.rail`).
     """
 
     unit_id: str
@@ -43,6 +43,7 @@ class Body:
     sections: frozenset[str] = frozenset()
     excepted: frozenset[str] | None = None
     overrun: frozenset[str] = frozenset()
+    left: list[str] = field(default_factory=list)
     fresh: list[str] = field(default_factory=list)
 
     @property
@@ -154,6 +155,7 @@ class NetTrack:
             body.still_to_m = body.front_m + body.length_m - near_m - RESOLUTION_M
         if body.front_m <= RESOLUTION_M:
             body.still_to_m = min(body.still_to_m, RESOLUTION_M)
+        body.left = path[:first]
         del path[:first]
         body.pieces = tuple(edge.piece_id for edge in under)
         body.sections = frozenset(edge.section_id for edge in under)

@@ -54,7 +54,7 @@ from simulation.judge.pilot import PilotWatch
 from simulation.judge.points import PointsFacts, PointsWatch, ProvenPoints
 from simulation.judge.rail import LowAdhesion, RailWatch
 from simulation.judge.register import RegisterWatch
-from simulation.judge.speed import NO_LIMITS, SpeedWatch, TrueLimits
+from simulation.judge.speed import NO_LIMITS, NOT_RUN, RunSince, SpeedWatch, TrueLimits
 from simulation.procedure import WorkingStep
 from sumo_cfg.truth_map import NetMap
 
@@ -162,10 +162,17 @@ class Checkers:
         self._crossings.turned(body, run_m)
 
     def observe(
-        self, t_s: float, unit_id: str, edge_id: str, lane_position_m: float, speed_mps: float
+        self,
+        t_s: float,
+        unit_id: str,
+        edge_id: str,
+        lane_position_m: float,
+        speed_mps: float,
+        ran: RunSince = NOT_RUN,
     ) -> None:
-        """Where SUMO has a train's front now. Raises KeyError for a train that has not entered."""
+        """Where SUMO has a train's front now, and how it `ran` there. Raises KeyError for one that has not entered."""
         body = self._bodies[unit_id]
+        body.left = []
         if t_s > body.seen_s:
             body.acceleration_mps2 = (speed_mps - body.speed_mps) / (t_s - body.seen_s)
         body.seen_s, body.speed_mps = t_s, speed_mps
@@ -175,7 +182,7 @@ class Checkers:
             self._settle(t_s, body, edge_id, lane_position_m)
         if edge_id == body.path[-1]:
             self._crossings.observe(t_s, body)
-        self._speed.observe(t_s, body, self._rail)
+        self._speed.observe(t_s, body, self._rail, ran)
         if speed_mps == 0.0:
             self._rail.train_stood(unit_id)
             self._entries.stands(body)

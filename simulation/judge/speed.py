@@ -1,7 +1,7 @@
 """No train faster than its own greatest speed and any limit under it, beyond what an intervention takes.
 
-By the truth, at each look, which are some seconds apart at most. Where limits lie is handed in, as they are and not as
-units have them. Supervision brakes by the emergency brake `margin_mps` above a limit, by the speed that wheels show,
+By the truth, in each step that a train has run since the last look. Where limits lie is handed in, as they are and not
+as units have them. Supervision brakes by the emergency brake `margin_mps` above a limit, by the speed that wheels show,
 and a train gains on until that acts.
 """
 
@@ -39,27 +39,64 @@ class TrueLimits(NamedTuple):
 NO_LIMITS: Final = TrueLimits(MappingProxyType({}), MappingProxyType({}), 0.0)
 
 
+class RunSince(NamedTuple):
+    """How a train has run since the last look: its speed at the end of each step, m/s, the last one now; if any."""
+
+    step_s: float
+    speeds_mps: Sequence[float]
+
+
+NOT_RUN: Final = RunSince(0.0, ())
+
+
+class LimitNearby(NamedTuple):
+    """A speed limit by how far beyond the front its ends lie, m; under the train or behind it."""
+
+    from_m: float
+    to_m: float
+    speed_mps: float
+
+
 class SpeedWatch:
     """Checks `too-fast`."""
 
     def __init__(self, net: NetMap, limits: TrueLimits, log: Log) -> None:
         self._edges, self._limits, self._log = net.edges, limits, log
 
-    def observe(self, t_s: float, body: Body, rail: RailWatch) -> None:
-        """The train was seen."""
-        limit_mps = self._limit_mps(body)
-        if body.speed_mps > limit_mps + self._limits.margin_mps + GAINED_MPS:
-            unit_id, speed_mps = body.unit_id, body.speed_mps
-            text = f"{unit_id} runs at {speed_mps:.1f} m/s where no more than {limit_mps:.1f} m/s is allowed"
-            subject, outside = f"{unit_id} {limit_mps:.1f} {body.path[-1]}", rail.outside(t_s, unit_id)
-            self._log.note(t_s, Checker.TOO_FAST, subject, text, outside=outside)
+    def observe(self, t_s: float, body: Body, rail: RailWatch, ran: RunSince) -> None:
+        """The train was seen; of the steps that it `ran` the one in which it was too fast by most counts."""
+        allowed_mps = self._limits.margin_mps + GAINED_MPS
+        speeds_mps = ran.speeds_mps or (body.speed_mps,)
+        lower_mps = max(speeds_mps) - allowed_mps  # a limit that is not under this nothing was above
+        top_mps = self._limits.tops_mps.get(body.unit_id, math.inf)
+        nearby = self._nearby(body, lower_mps)
+        if not nearby and lower_mps <= top_mps:
+            return
+        worst_mps, worst_s, worst_limit_mps, speed_mps = allowed_mps, t_s, top_mps, 0.0
+        front_m, after_mps = 0.0, speeds_mps[-1]
+        for steps, mps in enumerate(reversed(speeds_mps)):
+            front_m -= (mps + after_mps) / 2.0 * ran.step_s if steps else 0.0
+            after_mps, rear_m = mps, front_m - body.length_m
+            under = [each.speed_mps for each in nearby if each.from_m < front_m and each.to_m > rear_m]
+            limit_mps = min([top_mps, *under])
+            if mps - limit_mps > worst_mps:
+                worst_mps, worst_s = mps - limit_mps, t_s - steps * ran.step_s
+                worst_limit_mps, speed_mps = limit_mps, mps
+        if speed_mps > 0.0:
+            unit_id, limit = body.unit_id, f"{worst_limit_mps:.1f}"
+            text = f"{unit_id} runs at {speed_mps:.1f} m/s where no more than {limit} m/s is allowed"
+            subject, outside = f"{unit_id} {limit} {body.path[-1]}", rail.outside(worst_s, unit_id)
+            self._log.note(worst_s, Checker.TOO_FAST, subject, text, outside=outside)
 
-    def _limit_mps(self, body: Body) -> float:
-        """The lowest limit under any part of a train, and its own, m/s."""
-        least_mps, front_m = self._limits.tops_mps.get(body.unit_id, math.inf), body.front_m
-        for edge_id in reversed(body.path):
-            front_m += 0.0 if edge_id == body.path[-1] else self._edges[edge_id].length_m
-            for limit in self._limits.on_edges.get(edge_id, ()):
-                if limit.from_m < front_m and limit.to_m > front_m - body.length_m:
-                    least_mps = min(least_mps, limit.speed_mps)
-        return least_mps
+    def _nearby(self, body: Body, lower_mps: float) -> list[LimitNearby]:
+        """The limits below a speed on the edges that the train lies on, or has left since the last look."""
+        found: list[LimitNearby] = []
+        begin_m = -body.front_m
+        for edge_id in reversed((*body.left, *body.path)):
+            begin_m -= 0.0 if edge_id == body.path[-1] else self._edges[edge_id].length_m
+            found += (
+                LimitNearby(begin_m + each.from_m, begin_m + each.to_m, each.speed_mps)
+                for each in self._limits.on_edges.get(edge_id, ())
+                if each.speed_mps < lower_mps
+            )
+        return found

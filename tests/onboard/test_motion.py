@@ -39,6 +39,7 @@ from onboard.records import (
     MODE_DRIVE,
     MODE_HOLD,
     NO_INTERVENTION,
+    PATTERN,
     PathData,
 )
 from onboard.unit_records import UnitParameters
@@ -289,7 +290,7 @@ def test_bounds_too_wide_towards_the_mark_are_a_position_fault(
 
 def test_a_tag_that_may_lie_behind_already_is_not_expected(motion: UnitMotion, mission: Mission) -> None:
     """Tag 303 lies at 78 m of the path: with half a metre of bound it is due from 77.3 m, not from 77.6 m."""
-    path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
+    path = PathData(np.zeros(1, PATTERN), 0)
     for position_m, expected_m in ((77.3, 78.0), (77.6, 175.0)):
         motion.row.position_m = position_m
         motion.go_on(mission, path)
@@ -301,7 +302,7 @@ def test_ends_changed_what_was_the_rear_is_the_front(
     motion: UnitMotion, mission: Mission, back: Mission
 ) -> None:
     """At the mark of section 8 (km 1.02), 40 m long: going up, the front is at km 0.98."""
-    path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
+    path = PathData(np.zeros(1, PATTERN), 0)
     row = motion.row
     row.position_m, row.bound_ahead_m, row.bound_behind_m = MARK_B_M, 1.0, 3.0
     motion.turn(back, path)
@@ -313,7 +314,7 @@ def test_ends_changed_without_a_position_by_an_estimate_off_the_way_back(
     motion: UnitMotion, mission: Mission, back: Mission
 ) -> None:
     """A tachometer has stood still since section 3, which the way back to section 4 does not touch: rear at km 0.42."""
-    path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
+    path = PathData(np.zeros(1, PATTERN), 0)
     motion.row.position_m, motion.row.position_known = 100.0, 0
     motion.turn(back, path)
     assert back.path.kilometrage_m(float(motion.row.position_m)) == pytest.approx(420.0)
@@ -326,7 +327,7 @@ def test_switched_on_for_the_way_back_no_place_on_it_is_passed(
     at_start: Callable[..., UnitMotion], back: Mission
 ) -> None:
     """Its power failed at the mark at km 1.02, its rear at km 0.98, short of all places but those in the track."""
-    path = PathData(np.zeros(1, dtype=[("climb_m", float), ("driving_mps", float)]), 0)
+    path = PathData(np.zeros(1, PATTERN), 0)
     before = at_start(reads_tags=False)
     before.row.position_m = MARK_B_M
     motion = UnitMotion(

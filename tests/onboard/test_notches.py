@@ -156,6 +156,33 @@ def test_it_is_down_to_a_lower_limit_in_time(
     assert course.position_m[-1] > 1600.0
 
 
+@A_FIFTH
+@given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), bound_m=st.floats(0.0, 60.0))
+def test_it_speeds_up_again_when_its_rear_has_surely_left_the_limit(
+    boards: Boards,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    permille: float,
+    load_share: float,
+    bound_m: float,
+) -> None:
+    """It believes itself ahead by all of its bound; supervision has nothing to do, and it does not dawdle beyond."""
+    board, elevation_m = boards(), np.arange(float(TRACK_M)) * permille / 1000.0
+    limits_mps = np.full(TRACK_M, 18.0)
+    limits_mps[1000:1201] = 8.0
+    board.unit.position_m += bound_m
+    board.unit.bound_ahead_m = board.unit.bound_behind_m = bound_m
+    board.unit.bound_growth = 0.0
+    path = pattern_of(elevation_m, np.zeros(elevation_m.size), limits_mps, train, behaviour).view(np.recarray)
+    course = drive_along(board, path, permille, load_share, 15.0, 3000)
+    positions_m, speeds_mps = np.array(course.position_m), np.array(course.speed_mps)
+    within = (positions_m > 1000.0) & (positions_m < 1200.0 + train.length_m)
+    assert speeds_mps[within].max() <= 8.0
+    assert course.interventions == 0
+    beyond = positions_m > 1200.0 + train.length_m + 2.0
+    assert min(np.array(course.target_mps)[beyond]) > 8.0
+
+
 def test_a_standing_train_holds_its_brake(boards: Boards, track: Callable[..., Rows]) -> None:
     board = boards()
     board.unit.mode = MODE_HOLD

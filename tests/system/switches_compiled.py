@@ -55,6 +55,11 @@ COMPILED_SWITCHES: Final[dict[str, Edit]] = {
     "picture_is_of_its_start": Edit(
         _SIGHTING, "EXPOSED_WITHIN_S: Final = 0.02 ", "EXPOSED_WITHIN_S: Final = 0.0 "
     ),
+    "limits_end_at_the_estimate": Edit(
+        "onboard/driving/supervision.py",
+        "    return float(position_m - unit.bound_behind_m)\n",
+        "    return float(position_m)\n",
+    ),
     "sightings_cut_the_bounds": Edit(
         _SIGHTING,
         "    own.slack_m = move_estimate(unit, own.slack_m, front_m, within_m)\n",

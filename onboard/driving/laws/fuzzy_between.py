@@ -22,7 +22,7 @@ from onboard.driving.laws.fuzzy_choice import (
 from onboard.driving.laws.fuzzy_model import STEP_S, run_on
 from onboard.driving.laws.fuzzy_records import FuzzyRule, PredictiveFuzzyRow, Premise
 from onboard.driving.laws.fuzzy_sets import dangerous, runs_exactly, runs_slowly, runs_well, safe, saves
-from onboard.driving.supervision import RESERVE_M, path_index
+from onboard.driving.supervision import furthest_m, path_index
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
@@ -48,9 +48,9 @@ def limit_in_s(
         return (permitted - speed) / behaviour.settings.stop_deceleration_mps2
     if speed <= 0.0:
         return np.inf
-    furthest_m = unit.position_m + unit.bound_ahead_m + RESERVE_M
+    front_m = furthest_m(unit, unit.position_m)
     for metre in range(1, int(speed * own.settings.safe_s) + 2):
-        if path[path_index(unit, furthest_m + metre)].permitted_mps < speed:
+        if path[path_index(unit, front_m + metre)].permitted_mps < speed:
             return metre / speed
     return np.inf
 

@@ -14,7 +14,7 @@ from onboard.driving.laws.table import LAWS_ROW
 from onboard.duty.records import DrivingCommand, DrivingOrder, Looked, StopLimit
 from onboard.mission import Mission
 from onboard.motion import UnitMotion
-from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE
+from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, PathData
 from onboard.unit_records import UnitParameters
 
 Rows = NDArray[np.void]
@@ -137,3 +137,20 @@ def test_under_a_restricted_speed_it_holds_a_speed(
     motion.obey(msgspec.structs.replace(DEPART, sweeps=True), due_s - 120.0)
     assert motion.row.restricted_mps < math.inf
     assert motion.taken_plan() is None
+
+
+@pytest.mark.parametrize(("limit_kmh", "on_sight_kmh"), [(10.0, 10.0), (25.0, 15.0)])
+def test_who_does_not_know_its_place_keeps_every_limit_of_its_path(
+    at_start: Callable[..., UnitMotion], mission: Mission, path: Rows, limit_kmh: float, on_sight_kmh: float
+) -> None:
+    """On sight at 15 km/h, or under what lies anywhere on its way; who knows its place, under what is there."""
+    motion, slow = at_start(), path.copy()
+    slow["permitted_mps"][300:340] = limit_kmh / 3.6
+    motion.go_on(mission, PathData(slow, 0))
+    motion.obey(msgspec.structs.replace(ON, on_sight=True), 0.0)
+    assert motion.row.restricted_mps == pytest.approx(15.0 / 3.6)
+    motion.events(EVENT_TAG_OVERDUE)
+    assert motion.row.position_known == 0
+    assert motion.row.restricted_mps == pytest.approx(on_sight_kmh / 3.6)
+    motion.obey(msgspec.structs.replace(ON, on_sight=True), 1.0)
+    assert motion.row.restricted_mps == pytest.approx(on_sight_kmh / 3.6)

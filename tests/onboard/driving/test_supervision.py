@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from onboard.driving.ahead import kept_along_mps, limit_mps
-from onboard.driving.pattern import pattern_of
+from onboard.driving.pattern import lowered_by, lowered_mps, pattern_of
 from onboard.driving.supervision import RESERVE_M, stop_curve_mps, supervise
 from onboard.localisation.tachometer import locate
 from onboard.records import (
@@ -211,6 +211,137 @@ def test_a_limit_ahead_counts_from_the_furthest_place_where_the_front_may_be(
     unit.position_m, unit.bound_ahead_m = 190.0 - RESERVE_M, 10.0
     supervise(unit, train, behaviour, path)
     assert unit.permitted_mps == pytest.approx(5.0)
+
+
+def limited(
+    train: TrainRow, behaviour: BehaviourRow, *slow: tuple[int, int, float], else_mps: float = 20.0
+) -> Rows:
+    """The path database of level track with limits (m/s) on metres from and to, and one between them."""
+    limits, level = np.full(TRACK_M, else_mps), np.zeros(TRACK_M)
+    for from_m, to_m, mps in slow:
+        limits[from_m : to_m + 1] = np.minimum(limits[from_m : to_m + 1], mps)
+    return pattern_of(level, level, limits, train, behaviour).view(np.recarray)
+
+
+def held(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: Rows) -> tuple[float, float]:
+    """The speed that supervision permits, and the one under which driving stays, m/s."""
+    supervise(unit, train, behaviour, path)
+    return float(unit.permitted_mps), limit_mps(unit, behaviour, path)
+
+
+@pytest.mark.parametrize("bounds_m", [(0.0, 0.0), (15.0, 10.0), (0.0, 80.0), (80.0, 0.0)])
+def test_a_limit_holds_until_the_rear_has_left_it_wherever_the_train_may_be(
+    train: TrainRow, behaviour: BehaviourRow, bounds_m: tuple[float, float]
+) -> None:
+    """8 m/s from 1500 to 1600 m, 40 m of train: the rearmost place of its rear is beyond at 1640 m and the bound."""
+    path, unit = limited(train, behaviour, (1500, 1600, 8.0)), prepared(np.inf)
+    unit.bound_ahead_m, unit.bound_behind_m = bounds_m
+    assert train.length_m == 40.0
+    beyond_m = 1600.0 + 40.0 + unit.bound_behind_m
+    for position_m in (1560.0, beyond_m - 0.1, beyond_m):
+        unit.position_m = position_m
+        assert held(unit, train, behaviour, path) == pytest.approx((8.0, 6.8))
+    unit.position_m = beyond_m + 1.0  # rows are a metre apart
+    assert held(unit, train, behaviour, path) == pytest.approx((20.0, 18.8))
+
+
+def test_a_limit_shorter_than_the_bounds_holds_all_the_while_that_the_train_may_be_in_it(
+    train: TrainRow, behaviour: BehaviourRow
+) -> None:
+    """Five metres, and a train of ten: neither the furthest nor the nearest place nor the estimate is within it."""
+    short, unit = copy(train), prepared(np.inf)
+    short.length_m = 10.0
+    path = limited(short, behaviour, (1500, 1505, 8.0))
+    unit.bound_ahead_m = unit.bound_behind_m = 50.0
+    for position_m in (1452.0, 1480.0, 1516.0, 1540.0, 1565.0):
+        unit.position_m = position_m
+        assert held(unit, short, behaviour, path) == pytest.approx((8.0, 6.8))
+    unit.position_m = 1567.0
+    assert held(unit, short, behaviour, path) == pytest.approx((20.0, 18.8))
+
+
+PLACES = st.tuples(st.integers(100, 2300), st.integers(1, 200), st.floats(1.0, 18.0))
+
+
+@given(
+    places=st.lists(PLACES, max_size=4),
+    position_m=st.floats(50.0, 2400.0),
+    ahead_m=st.floats(0.0, 120.0),
+    behind_m=st.floats(0.0, 120.0),
+    length_m=st.floats(10.0, 160.0),
+    truly=st.floats(0.0, 1.0),
+)
+@example([(1500, 5, 8.0)], 1540.0, 50.0, 50.0, 10.0, 0.5)
+@example(
+    [(1500, 100, 8.0)], 1659.9, 20.0, 20.0, 40.0, 0.0
+)  # its rear is still within, if it is where it may be
+def test_no_more_is_permitted_than_any_limit_under_the_train_allows(
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    places: list[tuple[int, int, float]],
+    position_m: float,
+    ahead_m: float,
+    behind_m: float,
+    length_m: float,
+    truly: float,
+) -> None:
+    """Wherever within its bounds it truly is; and driving stays a margin below what supervision permits."""
+    own, unit = copy(train), prepared(np.inf)
+    own.length_m = length_m
+    path = limited(own, behaviour, *((at, at + run_m, mps) for at, run_m, mps in places))
+    unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = position_m, ahead_m, behind_m
+    permitted_mps, driven_mps = held(unit, own, behaviour, path)
+    front_m = position_m - behind_m + truly * (ahead_m + behind_m)
+    under = [mps for at, run_m, mps in places if at < front_m and at + run_m > front_m - length_m]
+    assert permitted_mps <= min(under, default=20.0)
+    margin_mps = min(behaviour.settings.driving_margin_mps, permitted_mps - min(1.0, 0.5 * permitted_mps))
+    assert driven_mps <= permitted_mps - margin_mps + 1e-9
+
+
+@given(
+    places=st.lists(PLACES, max_size=4), position_m=st.floats(50.0, 2400.0), speed_mps=st.floats(0.0, 20.0)
+)
+def test_who_knows_its_position_keeps_the_speeds_of_one_place(
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    places: list[tuple[int, int, float]],
+    position_m: float,
+    speed_mps: float,
+) -> None:
+    """Without bounds driving keeps, to the digit, what the curves have where it is and where it will be in a second."""
+    path, unit = (
+        limited(train, behaviour, *((at, at + run_m, mps) for at, run_m, mps in places)),
+        prepared(np.inf),
+    )
+    unit.position_m, unit.speed_mps = position_m, speed_mps
+    well_under_mps = lowered_by(path["permitted_mps"], 1.2)
+    permitted_mps, driven_mps = held(unit, train, behaviour, path)
+    kept_mps = [
+        min(path["driving_mps"][int(at_m)], well_under_mps[int(at_m + RESERVE_M)])
+        for at_m in (position_m, position_m + max(speed_mps, 1.0))
+    ]
+    assert driven_mps == min(*kept_mps, lowered_mps(permitted_mps, permitted_mps, 0.6))
+
+
+@given(
+    places=st.lists(st.tuples(st.integers(100, 2300), st.integers(1, 200), st.floats(5.0, 18.0)), max_size=4),
+    bound_m=st.floats(0.0, 60.0),
+)
+@example([(1500, 5, 8.0)], 50.0)
+def test_what_is_kept_along_a_path_is_what_driving_keeps_there(
+    train: TrainRow, behaviour: BehaviourRow, places: list[tuple[int, int, float]], bound_m: float
+) -> None:
+    """The prediction for blocking times says of each metre what the tick does there, to the metre."""
+    path, unit = (
+        limited(train, behaviour, *((at, at + run_m, mps) for at, run_m, mps in places)),
+        prepared(np.inf),
+    )
+    kept_mps = kept_along_mps(path, behaviour, np.full(TRACK_M, bound_m))
+    unit.bound_ahead_m = unit.bound_behind_m = bound_m
+    for position_m in range(60, 2200, 7):
+        unit.position_m, unit.speed_mps = float(position_m), float(path["driving_mps"][position_m])
+        driven_mps = held(unit, train, behaviour, path)[1]
+        assert kept_mps[position_m : position_m + 2].min() - 1e-9 <= driven_mps <= kept_mps[position_m] + 1e-9
 
 
 @pytest.mark.parametrize("restricted", [False, True])

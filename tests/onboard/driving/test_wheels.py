@@ -41,7 +41,7 @@ def test_driving_stays_below_where_supervision_brakes_however_little_the_wheels_
     path = track(np.zeros(TRACK_M), 27.0)
     unit.path_rows = TRACK_M
     unit.bound_growth = growth
-    unit.permitted_mps = 27.0
+    unit.permitted_mps = unit.ceiling_mps = 27.0
     unit.speed_mps = limit_mps(unit, behaviour, path)
     assert supervise(unit, train, behaviour, path) == 0
     assert unit.intervention == NO_INTERVENTION
