@@ -284,6 +284,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "16a_manager_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "16b_unit_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "16c_terminal_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
+        "16d_terminal_store_lost_points_set": ("knows_not_who_relies_on_points", Checker.POINTS_UNDER_TRAIN),
         "20_route_given_back": (keeps_a_route_set_back, "then the manager frees it"),
         "21_points_stuck": ("proves_what_it_has_not_detected", "the train waits before them"),
         "22_points_no_detection": ("proves_what_it_has_not_detected", "but not proven"),
