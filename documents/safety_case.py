@@ -68,9 +68,9 @@ HAZARDS: Final = (
                 ),
             ),
             SafetyClaim(
-                "A terminal that has lost its memory takes no older token than the last, and its holder hears how the points lie",
-                "people tell it the last token of each section, and whose that was; nobody else relies on its points: a proof"
-                " counts for the holder alone, and ends where persons have spoken for it",
+                "A terminal without its memory takes no older token than the last, and its holder hears how points lie",
+                "people tell it the last token of each section, and whose that was; nobody else relies on its points: a"
+                " proof counts for the holder alone, and ends where persons have spoken for it",
                 ("drill rtri/16d_terminal_store_lost_points_set",),
                 (
                     "tests/wayside/test_point_terminal.py::test_who_may_rely_on_points_hears_how_they_lie_where_the_memory_was_lost",

@@ -59,8 +59,8 @@ class PointsState(Enum):
 
 
 class Commitment(msgspec.Struct, frozen=True, array_like=True):
-    """What the points are locked for. `position` None: the memory was lost, and people know who had their section; which
-    way they may have been proven to it, nobody does.
+    """What the points are locked for. `position` None: the memory was lost, and people know who had their section, but
+    not which way they were proven to it.
     """
 
     unit_id: str
@@ -252,7 +252,7 @@ def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> Termina
 
 
 def _detect_committed(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
-    """In place: the proof goes to the unit that commanded. Who may rely on them in either position is told how they lie."""
+    """In place: the proof goes to the unit that commanded. Who may rely on either position is told how they lie."""
     view = replace(terminal.views[event.points_id], detected=event)
     commitment = terminal.memory.commitments[event.points_id]
     if (proven := _proven(terminal, view)) is not None:

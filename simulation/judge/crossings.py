@@ -54,7 +54,7 @@ class _WatchedRoad:
 
 class CrossingWatch:
     """Checks `crossing-open` and `crossing-warning`: no front comes onto a road that is not closed, or not for its
-    least times, unless its driver has leave to creep over it and does; and none opens under whoever came so.
+    least times, unless its driver has leave to creep over it and does; and none opens under a train.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class CrossingWatch:
                 pass
 
     def _opens(self, t_s: float, crossing_id: str, bodies: Iterable[Body]) -> None:
-        """Its device opens it: no train is on the road that came there while it was closed."""
+        """Its device opens it: no train is on the road, by whatever right it came there."""
         for body in bodies:
             came_m = self._on_road.get((body.unit_id, crossing_id), -math.inf)
             if body.run_m - came_m < body.length_m + self._width_m[crossing_id]:
@@ -204,9 +204,9 @@ class CrossingWatch:
         self._stopped.discard(pair)
         outside = pair in self._too_late
         self._too_late.discard(pair)
+        self._on_road[pair] = came_m
         if creeps:
             return
-        self._on_road[pair] = came_m
         closed_s = self._closed_s(crossing_id)
         who = f"{body.unit_id} came onto level crossing {crossing_id} at {body.speed_mps:.1f} m/s"
         subject = f"{crossing_id} {body.unit_id}"

@@ -213,7 +213,7 @@ def test_what_holds_no_longer_after_a_restart_is_withdrawn(lies: Position | None
 
 
 def test_who_may_rely_on_points_hears_how_they_lie_where_the_memory_was_lost() -> None:
-    """At once, with each change, and every 5 s; until they are commanded, in either position, and by nobody before it."""
+    """At once, with each change, and every 5 s; until they are commanded, in either position, by nobody before it."""
     told = {"p1": Commitment("u1", None, 5)}
     box = Box(TerminalMemory({"S": 5}, told), lying=None)
     for lies in (R, None, N):

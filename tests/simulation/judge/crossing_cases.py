@@ -105,6 +105,15 @@ CROSSING_CASES: Final = (
         lambda s: s.see("A", ("W+", 297.0)).entry("W", CrossingOpens()),
     ),
     Case(
+        "a road that opens under who has crept onto it",
+        Checker.CROSSING_OPEN,
+        lambda: (
+            at_crossings().entry("A", CrossingCreep(crossing_id="W")).see("A", ("W+", 255.0), speed_mps=4.0)
+        ),
+        lambda s: s.see("A", ("W+", 295.0), speed_mps=4.0).entry("W", CrossingOpens()),
+        lambda s: s.see("A", ("W+", 297.0), speed_mps=4.0).entry("W", CrossingOpens()),
+    ),
+    Case(
         "an open road near before who has turned",
         Checker.CROSSING_OPEN,
         turned_before_a_road,
