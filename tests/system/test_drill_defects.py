@@ -404,6 +404,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "105_crossing_asked_late": ("keeps_no_least_time", "closed, the road has its least time"),
         "106_crossing_two_trains": ("closes_once", "so does T3"),
         "107_crossing_contacts": ("counts_no_rear", "the rear opens it"),
+        "107b_crossing_contacts_dark": ("counts_one_train_in_the_dark", Checker.CROSSING_OPEN),
         "108_crossing_unit_power": ("opens_in_silence", "the road stays closed"),
         "109_crossing_obstacle": ("creeps_without_looking", Checker.SUMO_COLLISION),
         "111_crossing_freed": ("believes_one_person", "one person frees nothing"),
