@@ -56,6 +56,7 @@ ALARMS: Final = (
     notes.UnitRestarted,
     notes.VehicleUnfit,
 )
+ASKED_AGAIN: Final = (said.Refused, said.Contradicted, notes.SignOnDenied)  # as often as what it answers
 
 
 @dataclass(slots=True)
@@ -92,6 +93,7 @@ class LineSeen:
         self._names: Final = names_of(setup.line)
         self._line, self._timetable = setup.line, setup.timetable
         self._held: dict[str, tuple[str, ...]] = {}  # by unit
+        self._answers: dict[tuple[str, str], set[object]] = {}  # since all else, by author and unit
         self._units = {diagram.stock_id: _Heard() for diagram in setup.timetable.diagrams}
 
     def forecast(self, now_s: float) -> tuple[TrainForecast, ...]:
@@ -152,7 +154,8 @@ class LineSeen:
         self._note_outage(entry.t_s)
         if self._forecast is not None:
             self._forecast.see(entry, self._held)
-        if type(entry.event) in EVENT_WORDINGS and not isinstance(entry.event, TelegramDropped):
+        hidden = isinstance(entry.event, TelegramDropped) or self._is_said_again(entry)
+        if type(entry.event) in EVENT_WORDINGS and not hidden:
             words = event_text(entry.event, self._names)
             shown = EventShown(
                 time_s=entry.t_s,
@@ -166,6 +169,20 @@ class LineSeen:
             )  # by radio its device says no more than that it is not
             of_world = entry.who == WORLD and not isinstance(entry.event, Acted)
             self.events.append(SeenEvent(shown, of_world or unsaid))
+
+    def _is_said_again(self, entry: JournalEntry) -> bool:
+        """Whether its author has answered a unit so before, and since then nothing else but such answers."""
+        event, key = entry.event, (entry.who, getattr(entry.event, "unit_id", ""))
+        if _refuses_person(entry):
+            return False
+        if not isinstance(event, ASKED_AGAIN):
+            if type(event) in EVENT_WORDINGS or isinstance(event, said.Granted):
+                self._answers.pop(key, None)
+            return False
+        mine = self._answers.setdefault(key, set())
+        before = event in mine
+        mine.add(event)
+        return before
 
     def _note_outage(self, t_s: float) -> None:
         whole = self.defined and self.manager_on

@@ -155,7 +155,11 @@ class DeskServer:
     async def _open(self, request: PageRequest) -> Response:
         """Something else is opened; all who are connected come back to that."""
         why = self._rules.refused(request.headers.get("host", ""), request.headers.get("origin"))
-        body = b"" if why is not None else (await request.body())[: MESSAGE_BYTES_MAX + 1]
+        body = b""
+        parts = request.stream()
+        while why is None and (part := await anext(parts, None)) is not None:
+            body += part
+            why = Refusal.SIZE if len(body) > MESSAGE_BYTES_MAX else None  # the rest is not waited for
         try:
             asked = msgspec.json.decode(body, type=LibraryRequest) if why is None else None
         except msgspec.DecodeError:
@@ -318,14 +322,14 @@ class _Connection:
 
         while self._refused < REFUSED_MAX:
             text = await self._text()
+            if len(text.encode()) > MESSAGE_BYTES_MAX:  # before anything is read of it
+                await self.close(Refusal.SIZE)
+                return
             may, self._allowance = self._allowance.after(self._clock())
             if not may:
                 self._count(Refusal.RATE)
                 await self._refuse_message(text, Refusal.RATE.value)
                 continue
-            if len(text.encode()) > MESSAGE_BYTES_MAX:
-                self._count(Refusal.SIZE)
-                break
             try:
                 request = request_of(text)
             except msgspec.DecodeError as error:

@@ -24,6 +24,7 @@ CROSSING_HAZARDS: Final = (
             "rtri/104_crossing_undetected",
             "rtri/106_crossing_two_trains",
             "rtri/107_crossing_contacts",
+            "rtri/107b_crossing_contacts_dark",
             "rtri/108_crossing_unit_power",
             "rtri/112_crossing_wrong_word",
             "rtri/114_crossing_guarded",

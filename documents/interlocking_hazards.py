@@ -58,13 +58,15 @@ HAZARDS: Final = (
     Hazard(
         "A lost durable state is taken for a first start",
         "the disk of a party was replaced",
-        "no party starts from a blank store: people commission it, with a number and tokens beyond all that were used",
+        "no party starts from a blank store: people commission it, with a number and tokens beyond all that were used,"
+        " and a terminal with who had its sections, whom it tells how the points lie",
         ("host.store", "host.boot", "simulation.faults.commissioning"),
         (Checker.UNDEFINED_GRANTS_NOTHING, Checker.TOKENS_GROW, Checker.EVERYONE_ARRIVES),
         (
             "rtri/16a_manager_store_lost",
             "rtri/16b_unit_store_lost",
             "rtri/16c_terminal_store_lost",
+            "rtri/16d_terminal_store_lost_points_set",
         ),
     ),
     Hazard(

@@ -68,6 +68,16 @@ HAZARDS: Final = (
                 ),
             ),
             SafetyClaim(
+                "A terminal without its memory takes no older token than the last, and its holder hears how points lie",
+                "people tell it the last token of each section, and whose that was; nobody else relies on its points: a"
+                " proof counts for the holder alone, and ends where persons have spoken for it",
+                ("drill rtri/16d_terminal_store_lost_points_set",),
+                (
+                    "tests/wayside/test_point_terminal.py::test_who_may_rely_on_points_hears_how_they_lie_where_the_memory_was_lost",
+                    "tests/simulation/test_injector.py::test_a_terminal_commissioned_again_takes_no_command_under_an_older_token_than_the_last_given",
+                ),
+            ),
+            SafetyClaim(
                 "A proof that is withdrawn too late to stop is told apart from one in time",
                 "the judge works out the braking distance by the guaranteed brake alone",
                 ("drill rtri/12b_terminal_power_after_throw",),

@@ -229,7 +229,7 @@ class PositionRun:
         """Keep by how much the truth was out of the bounds."""
         trains, result, sheet = self.trains, self.result, self._sheet
         out_m = float(sheet.worst[0, 0])
-        if not trains.premises.is_false(SLOT) and not out_m <= result.out_m:
+        if not (trains.premises.is_false(SLOT) or out_m <= result.out_m or math.isnan(result.out_m)):
             result.out_m, result.out_at_m = out_m, float(sheet.worst[0, 2])
 
     def _steps_to_moment(self) -> int:

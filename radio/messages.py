@@ -91,12 +91,13 @@ class Message(msgspec.Struct, frozen=True, array_like=True):
 
 class RouteRequest(Message, frozen=True, array_like=True, tag=1):
     """Unit to manager: the sections of a route up to and with the arrival track (閉そく確保要求), or those of them that
-    lie ahead of a train on its way.
+    lie ahead of a train on its way. `token`: the greatest that it knows.
     """
 
     unit_id: str
     route_id: str
     section_ids: tuple[str, ...]
+    token: int = 0
 
 
 class RouteGranted(Message, frozen=True, array_like=True, tag=2):

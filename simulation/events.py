@@ -317,6 +317,7 @@ class Danger(Enum):
     CANNOT_TURN = "overran its track and cannot turn back"
     END_OF_TRACK = "ran off the end of the track"
     PANTOGRAPH_UP = "moved with its pantograph up"
+    DOORS_OPEN = "moved off with its doors open"
     NO_POSITION = "ran onto points {points} that lie in no position"
     WRONG_WAY = "was sent the wrong way at points {points}"
     SET_AGAINST = "ran through points {points} set against it"

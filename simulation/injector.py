@@ -78,7 +78,7 @@ class Injector:
         self._journal, self._agenda = world.journal, world.agenda
         self._cabs, self._duties = cabs, duties
         self._effects = Effects(world, cabs, duties, platforms)
-        self._record = ServiceRecord(world.wayside.sections_of)
+        self._record = ServiceRecord(world.wayside.points_of)
         self._courses: dict[int, ItemCourse] = {}
         self._looks: dict[
             int, Callable[[], Act | None]

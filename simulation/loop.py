@@ -42,6 +42,7 @@ from simulation.worked_by_people import worked_by_people
 from simulation.world.charging import Charging
 from simulation.world.kernel import STANDING_STEPS_MAX
 from simulation.world.records import (
+    PASSED_FROM_A_STAND,
     PASSED_FRONT,
     PASSED_REAR,
     PASSED_TAG,
@@ -414,6 +415,8 @@ class Simulation:
             trains.set_boundaries(slot)
         if passed & PASSED_REAR:
             cabs.keys_back(slot, step)
+        if passed & PASSED_FROM_A_STAND and self._platforms.are_open(slot, step):
+            self._unsafe(slot, Danger.DOORS_OPEN)
         self._books.look_for_departure(slot, self.now_s)
         self._books.look_for_arrival(slot, self.now_s)
         if self._charging is not None:

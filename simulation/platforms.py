@@ -18,6 +18,7 @@ from simulation.world.stage import World
 
 BEFORE_S: Final = 2.0  # doors are seen to be open from so long before the train could leave
 LOOKS_AGAIN_S: Final = 5.0  # while the unit does not know that it is at its mark
+LET_OFF_STEPS: Final = 3 * STEPS_PER_S  # from power on until wheels turn, at most
 OPEN: Final = "open"
 CLOSE: Final = "close"
 
@@ -57,6 +58,7 @@ class Platforms:
         self._held: dict[int, DoorsAtStop] = {}  # by slot: what is to be, or is
         self._open: set[int] = set()  # slots whose doors people hold open
         self._faulty: set[int] = set()  # slots whose doors a fault holds open
+        self._open_from: dict[int, int] = {}  # by slot: since which step its doors are not closed
         if self._stays:
             world.books.stands.add(self._stands)
 
@@ -64,6 +66,10 @@ class Platforms:
         """A fault has the doors show that they are open, or is over."""
         (self._faulty.discard if closed else self._faulty.add)(slot)
         self._show(slot, step)
+
+    def are_open(self, slot: int, step: int) -> bool:
+        """Whether a train that begins to move now does it with open doors, which were not closed as it was let off."""
+        return step - self._open_from.get(slot, step) > LET_OFF_STEPS
 
     def due(self, step: int, subject: str) -> None:
         """Doors are to be held open, or to close."""
@@ -125,4 +131,8 @@ class Platforms:
 
     def _show(self, slot: int, step: int) -> None:
         closed = slot not in self._open and slot not in self._faulty
+        if closed:
+            self._open_from.pop(slot, None)
+        else:
+            self._open_from.setdefault(slot, step)
         self._cabs.vehicle_shows(slot, step, "doors_closed", closed)

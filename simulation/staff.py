@@ -24,7 +24,7 @@ from onboard.crossing_notes import CrossingCreep
 from onboard.notes import CrewCheckedPoints, CrewWaitsAtPoints, Holds
 from radio.chance import generator
 from radio.envelope import ON_THE_AIR_S
-from radio.messages import ClaimQuery, SignOnAccepted
+from radio.messages import ClaimQuery
 from radio.noted import Sent
 from simulation.events import Acted, CutOut, JournalEntry, Left, PowerOn
 from simulation.faults.crossings import IN_ORDER
@@ -121,9 +121,11 @@ class Staff:
                 | ConfirmedByHand(unit_id=unit_id)
                 | Refused(unit_id=unit_id, why=acts.SPEAKS)
             ):
-                self._is_known(unit_id)
-            case Sent(source=source, receiver=unit_id, kind=SignOnAccepted.__name__) if source == MANAGER_ID:
-                self._is_known(unit_id)  # asked again for what was known already, too
+                self._awaited.pop(unit_id, None)
+                self._not_freed.pop(unit_id, None)
+                if not self._restores:
+                    self._spoke.pop(unit_id, None)
+                self._from_s.pop((Pause.SILENT, unit_id), None)
             case Acted(act=act, target=unit_id, section_ids=section_ids) if act in _WORDS:
                 self._spoke.setdefault(unit_id, {})[entry.who] = section_ids
             case Acted(act=ActKind.ENTER_SECTION.value, target=unit_id, section_ids=section_ids) if (
@@ -133,14 +135,6 @@ class Staff:
                 said[entry.who] = (*said.get(entry.who, ()), *section_ids)
             case _:
                 self._see_units(entry)
-
-    def _is_known(self, unit_id: str) -> None:
-        """The manager waits for no word of this unit any more."""
-        self._awaited.pop(unit_id, None)
-        self._not_freed.pop(unit_id, None)
-        if not self._restores:
-            self._spoke.pop(unit_id, None)
-        self._from_s.pop((Pause.SILENT, unit_id), None)
 
     def _see_units(self, entry: JournalEntry) -> None:
         """What becomes of units, crossings and points: barred, gone, crept over, waited at."""

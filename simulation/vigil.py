@@ -50,6 +50,6 @@ class Vigil:
             float(trains.plants[slot].travelled_m),
             timer=cabs.wakes(slot),
             pulls=bool(trains.units[slot].notch > 0.0),
-            awaits=stock_id in awaited or cabs.crew_watches(slot) or trains.premises.lies(slot),
+            awaits=stock_id in awaited or cabs.crew_watches(slot) or trains.premises.runs_on(slot),
             waits_for=cabs.waits_for(slot),
         )

@@ -55,7 +55,9 @@ TELEGRAM_S: Final = 1.0  # assumed: a proof under way
 # then has come onto the road: 44 s later from 110 km/h at 0.7 m/s2.
 FREES_S: Final = 65.0
 PERSONS: Final = 2  # who must say the same
-WHOEVER: Final = ""  # had announced itself before the memory was lost: it never says that it is over it
+WHOEVER: Final = (
+    ""  # had announced itself, or passed a contact, and is not known: it never says that it is over it
+)
 _TIME_TOLERANCE_S: Final = 1e-9
 
 
@@ -147,12 +149,10 @@ def start(
     config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False, again: bool = False
 ) -> CrossingDevice:
     """A device after a (re)start: closed, for whoever had announced itself; `lost`: nobody knows who had, and may stand
-    on it unheard, so persons must say that no train comes. `again`: a front may have passed a contact while it was
-    dark, so one train more counts as counted in.
+    on it unheard, so persons must say that no train comes. `again`: so they must where contacts control it, which any
+    number of fronts and rears may have passed while it was dark.
     """
-    if again and config.contacts:
-        memory = replace(memory, counted=memory.counted + 1)
-    if lost:
+    if lost or (again and config.contacts):
         memory = replace(memory, units=(*memory.units, WHOEVER))
     wanted = bool(memory.units or memory.counted)
     return CrossingDevice(

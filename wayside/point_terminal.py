@@ -5,7 +5,8 @@ position and lock are detected.
 The point terminal (制御端末装置) of Sugiyama et al. 2017, sections 2.1 (3) and 4.4 (1), as a pure machine:
 `step(terminal, event) -> (terminal, actions)`. The terminal never talks to the manager (table 2): the grant
 is checked offline by the capability's code. Highest tokens and what the points are locked for are its
-durable memory; after a restart it knows them, but proves nothing until the detection shows it. Repeated
+durable memory; after a restart it knows them, but proves nothing until the detection shows it. Where they were
+lost, whoever may rely on the points is told how they lie until they are commanded. Repeated
 commands change nothing; points that a crew has locked by hand are commanded by nobody (4.4 (3)).
 `TABLE` is the state of the points and the kind of event.
 """
@@ -58,10 +59,12 @@ class PointsState(Enum):
 
 
 class Commitment(msgspec.Struct, frozen=True, array_like=True):
-    """What the points are locked for."""
+    """What the points are locked for. `position` None: the memory was lost, and people know who had their section, but
+    not which way they were proven to it.
+    """
 
     unit_id: str
-    position: Position
+    position: Position | None
     token: int
 
 
@@ -185,7 +188,7 @@ def _locked_against(
     if view.detected.by_hand:
         return PointsRefusalReason.LOCKED_BY_HAND
     held = terminal.memory.commitments.get(command.points_id)
-    if held is not None and held.token == command.token and held.position is not command.position:
+    if held is not None and held.token == command.token and held.position not in (None, command.position):
         return PointsRefusalReason.LOCKED
     return None
 
@@ -216,13 +219,9 @@ def _command(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep
         position=command.position,
     )
     terminal = replace(terminal, memory=memory)
-    if _shows(view.detected, command.position):
-        proven = replace(view, state=PointsState.PROVEN, deadline_s=None, correlation=event.correlation)
-        return _with(terminal, proven), (
-            Show(note),
-            _proven_note(commitment, view),
-            _proof(proven, commitment),
-        )
+    proven = _proven(terminal, replace(view, correlation=event.correlation))
+    if proven is not None:
+        return proven[0], (Show(note), *proven[1])
     deadline_s = now_s + view.entry.throw_limit_s
     throwing = replace(view, state=PointsState.THROWING, deadline_s=deadline_s, correlation=event.correlation)
     drive = Drive(StartThrow(command.points_id, command.position))
@@ -253,13 +252,29 @@ def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> Termina
 
 
 def _detect_committed(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
-    """In place: the proof goes to the unit that commanded."""
+    """In place: the proof goes to the unit that commanded. Who may rely on either position is told how they lie."""
     view = replace(terminal.views[event.points_id], detected=event)
     commitment = terminal.memory.commitments[event.points_id]
-    if not _shows(event, commitment.position):
-        return _with(terminal, view), ()
+    if (proven := _proven(terminal, view)) is not None:
+        return proven
+    return _with(terminal, view), (_proof(view, commitment),) if commitment.position is None else ()
+
+
+def _proven(terminal: Terminal, view: PointsView) -> TerminalStep | None:
+    """Proven to the unit that commanded, if they are as it did, and locked."""
+    commitment = terminal.memory.commitments[view.entry.points_id]
+    position = commitment.position
+    if position is None or not _shows(view.detected, position):
+        return None
     view = replace(view, state=PointsState.PROVEN, deadline_s=None)
-    return _with(terminal, view), (_proven_note(commitment, view), _proof(view, commitment))
+    note = PointsProven(
+        unit_id=commitment.unit_id,
+        section_id=view.entry.section_id,
+        token=commitment.token,
+        points_id=view.entry.points_id,
+        position=position,
+    )
+    return _with(terminal, view), (Show(note), _proof(view, commitment))
 
 
 def _detect_proven(terminal: Terminal, event: PointsDetected, now_s: float) -> TerminalStep:
@@ -313,8 +328,8 @@ def _refuse(event: Commanded, reason: PointsRefusalReason) -> tuple[Action, ...]
     return Show(note), Send(event.unit_id, refused, event.correlation)
 
 
-def _shows(detected: PointsDetected, position: Position) -> bool:
-    return detected.position is position and detected.locked
+def _shows(detected: PointsDetected, position: Position | None) -> bool:
+    return position is not None and detected.position is position and detected.locked
 
 
 def _proof(view: PointsView, commitment: Commitment) -> Send:
@@ -327,18 +342,6 @@ def _proof(view: PointsView, commitment: Commitment) -> Send:
         commitment.token,
     )
     return Send(commitment.unit_id, proof, view.correlation)
-
-
-def _proven_note(commitment: Commitment, view: PointsView) -> Show:
-    return Show(
-        PointsProven(
-            unit_id=commitment.unit_id,
-            section_id=view.entry.section_id,
-            token=commitment.token,
-            points_id=view.entry.points_id,
-            position=commitment.position,
-        )
-    )
 
 
 def _unproven_note(commitment: Commitment, view: PointsView, why: str) -> Show:

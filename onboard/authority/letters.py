@@ -149,7 +149,9 @@ class Letters:
             case RequestKind.SIGN_OFF:
                 return radio.SignOff(self._unit_id, self.token)
             case RequestKind.ROUTE:
-                return radio.RouteRequest(self._unit_id, request.subject, request.section_ids or ())
+                return radio.RouteRequest(
+                    self._unit_id, request.subject, request.section_ids or (), self.token
+                )
             case RequestKind.REPORT if request.subject:
                 held = request.section_ids or ()
                 return radio.NextTrainReport(held, self.token, request.swept, request.subject)

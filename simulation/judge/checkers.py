@@ -12,6 +12,7 @@ until it says anew what it holds, the manager's word alone counts.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
@@ -173,6 +174,10 @@ class Checkers:
         """Where SUMO has a train's front now, and how it `ran` there. Raises KeyError for one that has not entered."""
         body = self._bodies[unit_id]
         body.left = []
+        if not math.isfinite(lane_position_m + speed_mps):  # which no comparison would find too great
+            text = f"{unit_id} is at {lane_position_m} m of {edge_id}, at {speed_mps} m/s"
+            self._log.note(t_s, Checker.NO_JUMP, unit_id, text)
+            return
         if t_s > body.seen_s:
             body.acceleration_mps2 = (speed_mps - body.speed_mps) / (t_s - body.seen_s)
         body.seen_s, body.speed_mps = t_s, speed_mps

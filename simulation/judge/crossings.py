@@ -2,7 +2,8 @@
 
 A road whose lamps fail when a train can no longer stop before it, by its guaranteed emergency brake, is outside the
 design: told, and no breach of a rule. So is one that opens then because persons alone say of that train that it does
-not come; one that its device opens otherwise is not.
+not come; one that its device opens otherwise is not. One that opens under a train is, but for a train that crept onto
+it and that its device has not heard.
 """
 
 from __future__ import annotations
@@ -20,12 +21,14 @@ from simulation.events import (
     CrossingOpens,
     JournalEntry,
     RoadStopped,
+    TookEffect,
 )
 from simulation.judge.body import RESOLUTION_M, Body
 from simulation.judge.locking import GuaranteedBrake
 from simulation.judge.log import Checker, Log
 from sumo_cfg.truth_map import NetMap
 
+ANNOUNCES, IS_OVER = "CrossingRequest", "CrossingOver"  # kinds of telegrams
 TIME_TOLERANCE_S: Final = 0.11  # a front is seen at the end of a step
 CREEP_MARGIN_MPS: Final = 0.6
 TOLD_WITHIN_S: Final = 2.0  # the device, the air and the unit: until a train knows that a proof is taken back
@@ -54,7 +57,7 @@ class _WatchedRoad:
 
 class CrossingWatch:
     """Checks `crossing-open` and `crossing-warning`: no front comes onto a road that is not closed, or not for its
-    least times, unless its driver has leave to creep over it and does; and none opens under whoever came so.
+    least times, unless its driver has leave to creep over it and does; and none opens under a train.
     """
 
     def __init__(
@@ -80,6 +83,8 @@ class CrossingWatch:
         self._stopped: set[tuple[str, str]] = set()  # for whom which road has been stopped by hand
         self._too_late: set[tuple[str, str]] = set()  # who could not stop when which road ceased to be closed
         self._on_road: dict[tuple[str, str], float] = {}  # run of a front when it came onto which road, m
+        self._crept: set[tuple[str, str]] = set()  # who came onto which by leave to creep
+        self._heard: set[tuple[str, str]] = set()  # who has announced itself to which
 
     def see(self, entry: JournalEntry, bodies: Iterable[Body]) -> None:
         """Lamps and barriers change; a driver has leave to creep over a crossing, once, that of somebody who guards it
@@ -99,6 +104,8 @@ class CrossingWatch:
             case CrossingOpens(struck_off=struck_off):
                 self._roads[entry.who].freed_of = struck_off
                 self._opens(entry.t_s, entry.who, bodies)
+            case TookEffect(source=unit_id, kind=kind) if kind in (ANNOUNCES, IS_OVER):
+                (self._heard.add if kind == ANNOUNCES else self._heard.discard)((unit_id, entry.who))
             case RoadStopped(crossing_id=crossing_id, unit_id=unit_id):
                 self._stopped.add((unit_id, crossing_id))
             case CrossingCreep(crossing_id=crossing_id, guarded=guarded):
@@ -109,12 +116,13 @@ class CrossingWatch:
                 pass
 
     def _opens(self, t_s: float, crossing_id: str, bodies: Iterable[Body]) -> None:
-        """Its device opens it: no train is on the road that came there while it was closed."""
+        """Its device opens it: no train is on the road, by whatever right it came there."""
         for body in bodies:
-            came_m = self._on_road.get((body.unit_id, crossing_id), -math.inf)
-            if body.run_m - came_m < body.length_m + self._width_m[crossing_id]:
+            pair = (body.unit_id, crossing_id)
+            if body.run_m - self._on_road.get(pair, -math.inf) < body.length_m + self._width_m[crossing_id]:
                 text = f"level crossing {crossing_id} opens under {body.unit_id}"
-                self._log.note(t_s, Checker.CROSSING_OPEN, f"{crossing_id} {body.unit_id}", text)
+                unheard = pair in self._crept - self._heard
+                self._log.note(t_s, Checker.CROSSING_OPEN, " ".join(reversed(pair)), text, outside=unheard)
 
     def _closed_s(self, crossing_id: str) -> float:
         """Since when (s) the road is closed; infinite: it is not."""
@@ -204,9 +212,10 @@ class CrossingWatch:
         self._stopped.discard(pair)
         outside = pair in self._too_late
         self._too_late.discard(pair)
+        self._on_road[pair] = came_m
+        (self._crept.add if creeps else self._crept.discard)(pair)
         if creeps:
             return
-        self._on_road[pair] = came_m
         closed_s = self._closed_s(crossing_id)
         who = f"{body.unit_id} came onto level crossing {crossing_id} at {body.speed_mps:.1f} m/s"
         subject = f"{crossing_id} {body.unit_id}"

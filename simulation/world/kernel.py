@@ -300,8 +300,9 @@ def judge_bounds(row: StockRow, events: int, worst: NDArray[np.float64], step: i
     if unit.position_known == 0 or events & EVENT_FOUND != 0 or row.truth.powered == 0:
         return
     beyond_m = row.truth.position_m - unit.position_m
-    out_m = max(beyond_m - unit.bound_ahead_m, -beyond_m - unit.bound_behind_m)
-    if not out_m <= worst[0]:  # what is no number counts as out
+    ahead_m, behind_m = beyond_m - unit.bound_ahead_m, -beyond_m - unit.bound_behind_m
+    out_m = np.nan if np.isnan(ahead_m + behind_m) else max(ahead_m, behind_m)
+    if not (out_m <= worst[0] or np.isnan(worst[0])):  # what is no number is out, and nothing further out
         worst[0] = out_m
         worst[1] = step
         worst[2] = row.truth.position_m

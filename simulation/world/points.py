@@ -61,7 +61,7 @@ class WaysideWorld:
         }
         self.telegrams: dict[tuple[str, str, str], Counter[str]] = defaultdict(Counter)
         self.section_ids: Final = tuple(line.sections)
-        self.sections_of: Final = _sections_with_points(line)
+        self.points_of: Final = _points_by_terminal(line)
         self._terminal_of: Final = {points.id: points.terminal_id for points in line.points.values()}
         self.device_ids: Final = (MANAGER_ID, *sorted({p.terminal_id for p in line.points.values()}))
         self.crossings: Final = CrossingsOnTrack(line, agenda, journal, self.input, road)
@@ -310,9 +310,9 @@ class WaysideWorld:
         self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
 
-def _sections_with_points(line: Line) -> dict[str, tuple[str, ...]]:
-    """By terminal."""
-    sections: dict[str, dict[str, None]] = defaultdict(dict)
+def _points_by_terminal(line: Line) -> dict[str, dict[str, str]]:
+    """By terminal: the section of each of its points."""
+    found: dict[str, dict[str, str]] = defaultdict(dict)
     for points in line.points.values():
-        sections[points.terminal_id][points.section_id] = None
-    return {terminal_id: tuple(mine) for terminal_id, mine in sections.items()}
+        found[points.terminal_id][points.id] = points.section_id
+    return dict(found)

@@ -45,10 +45,9 @@ class FalsePositions:
         if self._tachometers[slot].frozen_mps > 0.0:  # it runs on even while the train stands
             lie.false = True
 
-    def lies(self, slot: int) -> bool:
-        """Whether the tachometer is faulty now."""
-        lie = self._lies.get(slot)
-        return lie is not None and lie.in_force
+    def runs_on(self, slot: int) -> bool:
+        """Whether the tachometer shows that it runs, though the train may stand."""
+        return bool(self._tachometers[slot].frozen_mps > 0.0)
 
     def is_false(self, slot: int) -> bool:
         """Whether the position is false now; asked after each stretch in which the train could move."""

@@ -11,10 +11,10 @@ import msgspec
 import pytest
 from starlette.testclient import TestClient
 
-from console.access import on_loopback, with_tokens
+from console.access import Refusal, on_loopback, with_tokens
 from console.library import LibraryEntry, LibraryRequest, Opens, library, opened, taken_from_library
 from console.live import LiveDesk
-from console.protocol import DoAct, GoBack, NextEvent, RunTo, SetPace, State
+from console.protocol import MESSAGE_BYTES_MAX, DoAct, GoBack, NextEvent, RunTo, SetPace, State
 from console.replay import Replay
 from console.seats import Seat
 from console.server import BESIDE_PATH, SOCKET_PATH, DeskServer
@@ -215,4 +215,7 @@ def test_only_the_instructor_and_only_a_page_of_the_desk_opens_something() -> No
         answer = client.post("/open", json=body, headers={"host": HOST, "origin": origin})
         assert answer.status_code == code
         assert client.post("/open", content=b"{", headers={"host": HOST}).status_code == 403
+        much = b" " * (MESSAGE_BYTES_MAX + 1)
+        assert client.post("/open", content=much, headers={"host": HOST}).status_code == 403
+        assert server.refused[Refusal.SIZE] == 1
     assert [one.name for one in found] == ["rtri/09_manager_power"]

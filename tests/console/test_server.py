@@ -247,11 +247,15 @@ def test_a_message_that_is_too_long_ends_the_connection(door: Door) -> None:
     asked = door.asked
     with visit.connect(**ORIGIN) as socket:
         sit(socket, "instructor")
-        say(socket, say="save", id="x" * MESSAGE_BYTES_MAX)
-        with pytest.raises(WebSocketDisconnect):
+        for number in range(100):  # more than are heard at once: nothing is read of it all the same
+            say(socket, say="pace", number=number, factor=0.0)
+        say(socket, say="save", number=7, id="x" * MESSAGE_BYTES_MAX)
+        assert [answer(socket)["number"] for _ in range(100)] == list(range(100))
+        with pytest.raises(WebSocketDisconnect) as closed:
             answer(socket)
-    assert visit.server.refused[Refusal.SIZE] == 1
-    assert door.asked == asked
+    assert closed.value.reason == Refusal.SIZE.value
+    assert visit.server.refused == {Refusal.RATE: 60, Refusal.SIZE: 1}
+    assert door.asked == asked + 40
 
 
 def test_of_a_thousand_messages_a_second_forty_are_heard(door: Door) -> None:

@@ -1,5 +1,7 @@
 """The bench of one train along a line: what is to happen at a place happens there."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -40,6 +42,18 @@ def test_what_a_sensor_finds_in_a_step_is_not_stated_in_it(events: int, judged: 
     worst = np.full(6, -np.inf)
     judge_bounds(trains.stock[SLOT], events, worst, 1)
     assert worst[0] > 40.0 if judged else worst[0] == -np.inf
+
+
+@pytest.mark.parametrize("field", ["bound_behind_m", "bound_ahead_m", "position_m"])
+def test_what_is_no_number_is_out_of_the_bounds_and_stays_it(field: str) -> None:
+    """Whichever of them is none, and however far out the truth is later in the stretch."""
+    trains = PositionRun(load_scenario("rtri_test_line").setup).trains
+    worst = np.full(6, -np.inf)
+    for value in (math.nan, 1.0):
+        setattr(trains.units[SLOT], field, value)
+        judge_bounds(trains.stock[SLOT], 0, worst, 1)
+    assert math.isnan(worst[0])
+    assert math.isnan(worst[2:].sum())
 
 
 def test_a_trace_tells_where_the_position_is_unknown_and_nothing_stated() -> None:

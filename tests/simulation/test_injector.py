@@ -37,7 +37,7 @@ from simulation.journal import Journal
 from simulation.people import People
 from simulation.setup import STEPS_PER_S
 from simulation.world.point_machine import PointMachine
-from wayside.point_terminal import TerminalMemory
+from wayside.point_terminal import Commitment, TerminalMemory
 from wayside.said import (
     Accepted,
     AcceptPicture,
@@ -90,7 +90,7 @@ class World:
             repair=lambda _step, points, _position: self.repaired.append(points),
             power_on=lambda _step, device: self.switched.append((device, True)),
             power_off=lambda _step, device: self.switched.append((device, False)),
-            sections_of={"B-W": ("7",)},
+            points_of={"B-W": {"P7": "7"}},
             uncommissioned={"B-W"},
             lose_store=self.lost.append,
             commission=self._commission,
@@ -231,10 +231,10 @@ def test_people_commission_what_waits_for_it_each_time_with_a_greater_number() -
 
 
 def test_a_terminal_commissioned_again_takes_no_command_under_an_older_token_than_the_last_given() -> None:
-    """Whoever was given the section last goes on; of one that persons spoke for, nobody does."""
-    world = World(
-        Act(ActKind.COMMISSION, "B-W", Trigger(at_s=1.0)), Act(ActKind.COMMISSION, "B-W", Trigger(at_s=2.0))
-    )
+    """Whoever was given the section last goes on; of one that persons spoke for, nobody does. Either may rely on the
+    points; who has given the section back does not.
+    """
+    world = World(*(Act(ActKind.COMMISSION, "B-W", Trigger(at_s=at_s)) for at_s in (1.0, 2.0, 3.0)))
     for unit_id, token in (("K1", 5), ("K2", 6)):
         granted = Granted(unit_id=unit_id, section_ids=("5", "7"), token=token, route_id="r")
         world.journal.write(0.5, "block-manager", granted)
@@ -243,8 +243,16 @@ def test_a_terminal_commissioned_again_takes_no_command_under_an_older_token_tha
     world.run_to(1 * STEPS_PER_S)
     world.journal.write(1.5, "block-manager", Freed(unit_id="K2", section_ids=("7",), by="Sato"))
     world.run_to(2 * STEPS_PER_S)
+    world.journal.write(2.5, "block-manager", again)
+    world.journal.write(2.6, "block-manager", Freed(unit_id="K2", section_ids=("7",), token=9))
+    world.run_to(3 * STEPS_PER_S)
     memories = [msgspec.msgpack.decode(vital, type=TerminalMemory) for vital in world.memories]
-    assert memories == [TerminalMemory({"7": 6}), TerminalMemory({"7": 7})]
+    relied_on = {"P7": Commitment("K2", None, 6)}
+    assert memories == [
+        TerminalMemory({"7": 6}, relied_on),
+        TerminalMemory({"7": 7}, relied_on),
+        TerminalMemory({"7": 9}),
+    ]
 
 
 def test_an_event_begins_a_fault_with_its_delay() -> None:

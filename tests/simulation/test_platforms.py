@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 from hypothesis import given
 from hypothesis import strategies as st
 
 from simulation.late_day import DrawnStay
-from simulation.platforms import held_until
+from simulation.platforms import Platforms, held_until
+from simulation.setup import STEPS_PER_S
 
 TIMES = st.floats(0.0, 600.0)
 
@@ -34,3 +38,20 @@ def test_spare_time_takes_up_what_passengers_need_and_not_the_doors() -> None:
 
 def test_who_begins_there_has_had_its_passengers_on_before() -> None:
     assert held_until(DrawnStay(30.0, 10.0), 1000.0, 1060.0, 20.0, begins=True) == (1060.0, 1060.0, 1070.0)
+
+
+def test_who_moves_off_with_doors_that_were_open_is_told_from_whom_they_open_on_as_it_does() -> None:
+    """3 s are what it takes from power on until wheels turn."""
+    world: Any = SimpleNamespace(
+        **dict.fromkeys(("trains", "on_board", "books", "agenda", "journal")),
+        setup=SimpleNamespace(unit=SimpleNamespace(dwell_min_s=20.0)),
+    )
+    cabs: Any = SimpleNamespace(vehicle_shows=lambda *_: None)
+    doors = Platforms(world, cabs, SimpleNamespace(stays={}))  # type: ignore[arg-type]
+    assert not doors.are_open(0, 0)
+    doors.fault(0, 100, closed=False)
+    doors.fault(0, 120, closed=False)
+    assert [doors.are_open(0, 100 + seconds * STEPS_PER_S) for seconds in (0, 3, 4)] == [False, False, True]
+    assert not doors.are_open(1, 200)
+    doors.fault(0, 150, closed=True)
+    assert not doors.are_open(0, 200)

@@ -20,8 +20,9 @@ from simulation.world.crossings import CrossingsOnTrack
 from tests.system.switchboard import switch
 from wayside import level_crossing
 from wayside.actions import Send
+from wayside.config import CrossingConfig
 from wayside.crossing_said import CrossingContact
-from wayside.level_crossing import ClosureAsked, CrossingDevice, CrossingLeft, CrossingState
+from wayside.level_crossing import ClosureAsked, CrossingDevice, CrossingLeft, CrossingMemory, CrossingState
 
 
 @switch
@@ -129,6 +130,20 @@ def counts_no_rear(patch: pytest.MonkeyPatch) -> None:
             (CrossingState.CLOSED, CrossingContact): lambda device, _event, _now_s: (device, ()),
         },
     )
+
+
+@switch
+def counts_one_train_in_the_dark(patch: pytest.MonkeyPatch) -> None:
+    """By contacts, one front at the most has come while the device was dark, and its rear opens the road."""
+    start = level_crossing.start
+
+    def counted(
+        config: CrossingConfig, memory: CrossingMemory, *, lost: bool = False, again: bool = False
+    ) -> CrossingDevice:
+        more = int(again and config.contacts)
+        return start(config, replace(memory, counted=memory.counted + more), lost=lost)
+
+    patch.setattr(level_crossing, "start", counted)
 
 
 @switch

@@ -36,6 +36,7 @@ from onboard.notes import Claimed
 from onboard.plan import DutyPlan, PointsNeeded
 from onboard.records import EMERGENCY_INTERVENTION, PathData, UnitRow
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
+from onboard.vehicle import VehicleInputs
 from radio.messages import (
     PointsCommand,
 )
@@ -387,3 +388,9 @@ def waits_for_units_to_end_trains(patch: pytest.MonkeyPatch) -> None:
 def goes_by_proofs_of_before(patch: pytest.MonkeyPatch) -> None:
     """A unit that persons have spoken for goes by what its points showed it before."""
     patch.setattr(sign_on, "FORGETS_PROOFS", False)
+
+
+@switch
+def sees_no_vehicle(patch: pytest.MonkeyPatch) -> None:
+    """Whatever is wrong with doors, brake or motors, the unit does not see it."""
+    patch.setattr(VehicleInputs, "unfit", "")

@@ -24,6 +24,7 @@ from radio.messages import (
 )
 from radio.noted import TookEffect
 from simulation import duties, injector, staff
+from simulation.faults.commissioning import ServiceRecord
 from simulation.faults.script import Act
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
 from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
@@ -258,6 +259,18 @@ def takes_a_lost_store_for_a_first_start(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr("host.boot.commissioned", anew)
     patch.setattr("host.units.commissioned", anew)
+
+
+@switch
+def knows_not_who_relies_on_points(patch: pytest.MonkeyPatch) -> None:
+    """A terminal that has lost its memory is told the last tokens, and not who had its points proven."""
+    told = ServiceRecord.vital
+
+    def tokens_alone(self: ServiceRecord, party_id: str) -> bytes:
+        memory = msgspec.msgpack.decode(told(self, party_id), type=point_terminal.TerminalMemory)
+        return msgspec.msgpack.encode(point_terminal.TerminalMemory(memory.tokens))
+
+    patch.setattr(ServiceRecord, "vital", tokens_alone)
 
 
 @switch

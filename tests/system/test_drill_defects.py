@@ -31,7 +31,6 @@ from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.records import PathData, UnitRow
 from onboard.unit import OnboardUnit, Report, UnitAnswer
-from onboard.vehicle import VehicleInputs
 from radio.envelope import header_of
 from simulation.judge.checkers import Checker
 from simulation.substitute import by_hand, players
@@ -182,10 +181,6 @@ def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Crew, "give_keys_back", lambda *_: None)
 
 
-def sees_no_vehicle(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(VehicleInputs, "unfit", "")
-
-
 def acknowledges_whatever_is_wrong(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(fitness, "acknowledged", lambda _turn: True)
 
@@ -284,6 +279,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "16a_manager_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "16b_unit_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "16c_terminal_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
+        "16d_terminal_store_lost_points_set": ("knows_not_who_relies_on_points", Checker.POINTS_UNDER_TRAIN),
         "20_route_given_back": (keeps_a_route_set_back, "then the manager frees it"),
         "21_points_stuck": ("proves_what_it_has_not_detected", "the train waits before them"),
         "22_points_no_detection": ("proves_what_it_has_not_detected", "but not proven"),
@@ -299,7 +295,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "35b_both_networks_lost": ("does_not_wait_for_proof", "no invariant is broken"),
         "40_clock_wrong": (judges_no_time, "the terminal drops its commands as of a time that cannot be"),
         "41_clock_drifts": (judges_no_time, "it does not enter them"),
-        "42_doors": (sees_no_vehicle, "it does not depart with a door open"),
+        "42_doors": ("sees_no_vehicle", "no invariant is broken"),  # it moves off with its doors open
         "44_points_locked_by_crew": (keeps_the_key_for_ever, "every train reaches its station"),
         "45_tags_by_bits": ("expects_no_tag", "the unit finds that a tag is missing"),
         "50_unit_power_before_entry": ("keeps_the_emergency_latch", "and runs"),
@@ -408,6 +404,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "105_crossing_asked_late": ("keeps_no_least_time", "closed, the road has its least time"),
         "106_crossing_two_trains": ("closes_once", "so does T3"),
         "107_crossing_contacts": ("counts_no_rear", "the rear opens it"),
+        "107b_crossing_contacts_dark": ("counts_one_train_in_the_dark", Checker.CROSSING_OPEN),
         "108_crossing_unit_power": ("opens_in_silence", "the road stays closed"),
         "109_crossing_obstacle": ("creeps_without_looking", Checker.SUMO_COLLISION),
         "111_crossing_freed": ("believes_one_person", "one person frees nothing"),

@@ -18,6 +18,7 @@ from wayside.config import PointsEntry, TerminalConfig
 from wayside.point_terminal import (
     TABLE,
     Commanded,
+    Commitment,
     Expired,
     PointsState,
     Terminal,
@@ -209,6 +210,26 @@ def test_what_holds_no_longer_after_a_restart_is_withdrawn(lies: Position | None
     withdrawn = PointsProof("p1", lies, locked, lies is not None, 5)
     assert again.do(PointsDetected("p1", lies, locked)) == [("u1", withdrawn)]
     assert again.state() is PointsState.UNPROVEN
+
+
+def test_who_may_rely_on_points_hears_how_they_lie_where_the_memory_was_lost() -> None:
+    """At once, with each change, and every 5 s; until they are commanded, in either position, by nobody before it."""
+    told = {"p1": Commitment("u1", None, 5)}
+    box = Box(TerminalMemory({"S": 5}, told), lying=None)
+    for lies in (R, None, N):
+        shown = PointsDetected("p1", lies, lies is not None)
+        assert box.do(shown) == [("u1", proof(5, lies))]
+        box.now_s += 5.0
+        assert box.do(Expired()) == [("u1", proof(5, lies))]
+    assert box.do(command(4, R, "u2")) == [("u2", refused(4, PointsRefusalReason.OLD_TOKEN))]
+    assert box.terminal.memory.commitments == told
+    for position in Position:
+        commanded = Box(TerminalMemory({"S": 5}, told))
+        assert commanded.do(command(5, position)) == ([("u1", proof(5, N))] if position is N else [])
+        assert commanded.terminal.memory.commitments == {"p1": Commitment("u1", position, 5)}
+        assert commanded.do(PointsDetected("p1", None, False)) == (
+            [("u1", proof(5, None))] if position is N else []
+        )
 
 
 def test_detection_of_points_it_does_not_have() -> None:

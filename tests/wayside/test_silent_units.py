@@ -185,6 +185,10 @@ def test_who_was_spoken_for_hears_of_its_token_from_the_answer_to_its_claim_and_
     for asks in (HoldingReport(held, granted.token), RouteRequest("u1", "over", held[1:])):
         assert desk.hear("u1", asks) == ClaimQuery()
     assert desk.hear("u1", Claim(held, granted.token)) == accepted
+    unheard = desk.register
+    asks_on = RouteRequest("u1", "over", held[1:], accepted.token)
+    assert isinstance(desk.hear("u1", asks_on), RouteGranted)
+    desk.register = unheard
     for token in (accepted.token, granted.token):  # the second was under way
         confirmed = desk.hear("u1", HoldingReport(held, token))
         assert confirmed == HoldingConfirmed(held, accepted.token, on_sight=("C", "D", "E"))

@@ -77,14 +77,22 @@ def test_what_is_said_again_of_the_same_train_changes_no_word() -> None:
 
 @pytest.mark.parametrize(("contacts", "state"), [(True, CLOSING), (False, OPEN)])
 def test_by_contacts_a_front_may_have_come_while_it_was_dark(contacts: bool, state: CrossingState) -> None:
-    """Nobody told the device: its rear opens the road, or two persons do."""
+    """Nobody told the device, nor of a second one behind it: no rear opens the road, and two persons do."""
     box = Box(BARRIERS)
     config = msgspec.structs.replace(BARRIERS, contacts=contacts)
     box.device = start(config, CrossingMemory(), again=True)
     box.do(DOWN)
-    assert (box.state, box.device.memory.counted) == (state, 1 if contacts else 0)
-    box.do(GONE, 60.0)
-    assert box.state is OPEN
+    assert box.state is state
+    for t_s in (60.0, 70.0):
+        box.do(GONE, t_s)
+        assert (box.state is OPEN) is not contacts
+    for person in (SIGNALMAN, TRACKMAN):
+        box.do(person, 100.0)
+    box.do(COMES, 110.0)
+    box.do(CrossingTimeDue(), 100.0 + FREES_S)
+    assert box.state is not OPEN
+    box.do(GONE, 200.0)
+    assert (box.state, box.device.memory) == (OPEN, CrossingMemory())
     assert start(config, CrossingMemory()).state is OPEN  # its first start
 
 

@@ -76,7 +76,7 @@ def holding(letters: Letters) -> Letters:
 def test_each_request_goes_out_as_its_telegram(letters: Letters) -> None:
     for ask in (RequestKind.ROUTE, RequestKind.REPORT, RequestKind.SIGN_OFF):
         letters.keep(Renew(ask))
-    assert letters.write(ROUTE) == Letter(MANAGER, radio.RouteRequest(UNIT, "3>8", SECTIONS), 2)
+    assert letters.write(ROUTE) == Letter(MANAGER, radio.RouteRequest(UNIT, "3>8", SECTIONS, 10), 2)
     assert letters.write(REPORT) == Letter(MANAGER, radio.HoldingReport(("7", "8"), 10), 3)
     assert letters.write(SendRequest(OpenRequest(RequestKind.SIGN_OFF))) == Letter(
         MANAGER, radio.SignOff(UNIT, 10), 4

@@ -69,7 +69,7 @@ class World:
         machines = {"P7": PointMachine("P7", THROW_S, Position.NORMAL)}
         self.wayside: Any = SimpleNamespace(
             section_ids=(),
-            sections_of={},
+            points_of={},
             machines=machines,
             set_machine=lambda _step, machine: machines.update({machine.points_id: machine}),
             power_on=lambda _step, device: self.power.update({device: True}),

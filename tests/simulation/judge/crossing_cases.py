@@ -9,6 +9,7 @@ from simulation.events import (
     CrossingLamps,
     CrossingOpens,
     RoadStopped,
+    TookEffect,
 )
 from simulation.judge.checkers import Checker
 from simulation.judge.crossings import CrossingFacts
@@ -39,6 +40,18 @@ def turned_before_a_road() -> Stage:
 def on_the_road() -> Stage:
     """A came onto the closed road over W, whose far side its rear passes once its front is at 296 m."""
     return at_crossings().shut("W", 15.0, 20.0).see("A", ("W+", 249.0), ("W+", 255.0), ("W+", 265.0))
+
+
+def crept() -> Stage:
+    """A creeps over W by leave."""
+    leave = CrossingCreep(crossing_id="W")
+    return at_crossings().entry("A", leave).see("A", ("W+", 255.0), speed_mps=4.0)
+
+
+def told(stage: Stage, kind: str) -> Stage:
+    """The device of W has heard A."""
+    heard = TookEffect(source="A", receiver="W", epoch=1, sequence=int(stage.t_s), kind=kind, correlation=1)
+    return stage.entry("W", heard)
 
 
 CROSSING_CASES: Final = (
@@ -103,6 +116,24 @@ CROSSING_CASES: Final = (
         on_the_road,
         lambda s: s.see("A", ("W+", 295.0)).entry("W", CrossingOpens()),
         lambda s: s.see("A", ("W+", 297.0)).entry("W", CrossingOpens()),
+    ),
+    Case(
+        "a road that opens under who has crept onto it, and is heard",
+        Checker.CROSSING_OPEN,
+        crept,
+        lambda s: (
+            told(s, "CrossingRequest").see("A", ("W+", 295.0), speed_mps=4.0).entry("W", CrossingOpens())
+        ),
+        lambda s: (
+            told(s, "CrossingRequest").see("A", ("W+", 297.0), speed_mps=4.0).entry("W", CrossingOpens())
+        ),
+    ),
+    Case(
+        "a road that opens under who has crept onto it, and is not heard any more",
+        Checker.CROSSING_OPEN,
+        lambda: told(crept(), "CrossingRequest"),
+        lambda s: s.see("A", ("W+", 295.0), speed_mps=4.0).entry("W", CrossingOpens()),
+        lambda s: told(s, "CrossingOver").see("A", ("W+", 295.0), speed_mps=4.0).entry("W", CrossingOpens()),
     ),
     Case(
         "an open road near before who has turned",

@@ -362,6 +362,20 @@ CASES = (
         lambda s: s.see("B", ("E-", 200.0)),
     ),
     Case(
+        "nowhere that a number says",
+        Checker.NO_JUMP,
+        lambda: second(Stage()),
+        lambda s: s.see("B", ("E-", math.nan)),
+        lambda s: s.see("B", ("E-", 201.0)),
+    ),
+    Case(
+        "at no speed that a number says",
+        Checker.NO_JUMP,
+        lambda: second(Stage()),
+        lambda s: s.see("B", ("E-", 201.0), speed_mps=math.nan),
+        lambda s: s.see("B", ("E-", 201.0)),
+    ),
+    Case(
         "changes ends in motion",
         Checker.NO_JUMP,
         authorised,

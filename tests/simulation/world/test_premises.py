@@ -51,6 +51,18 @@ def test_wider_bounds_cover_more() -> None:
     assert not cab.show(1.3).judged
 
 
+@pytest.mark.parametrize(
+    ("shows", "runs_on"),
+    [((1.3, -1.0), False), ((0.0, -1.0), False), ((1.0, 0.0), False), ((1.0, 8.0), True)],
+)
+def test_only_one_that_is_stuck_at_a_speed_shows_a_standing_train_as_running(
+    shows: tuple[float, float], runs_on: bool
+) -> None:
+    cab = Cab().show(*shows)
+    assert cab.premises.runs_on(0) is runs_on
+    assert not cab.show().premises.runs_on(0)
+
+
 def test_what_is_false_stays_false_after_the_fault_until_a_fix() -> None:
     cab = Cab().show(1.3)
     assert not cab.judged

@@ -1,0 +1,36 @@
+"""What the desk lists of what is said again and again."""
+
+from console.line_seen import LineSeen
+from onboard.notes import SignOnDenied
+from scenario.scenario import load_scenario
+from simulation.events import MANAGER, Event, JournalEntry
+from wayside.said import Granted, Refused
+
+HELD = Refused(unit_id="K1", section_ids=("8",), other_id="K2", why="HELD")
+UNDEFINED = Refused(unit_id="K1", why="UNDEFINED")
+GRANTED = Granted(unit_id="K1", section_ids=("8",), token=1, route_id="3>8")
+
+
+def listed(*events: tuple[str, Event]) -> list[float]:
+    """Which of the events, a second apart, are in the list."""
+    line = LineSeen(load_scenario("rtri_test_line").setup)
+    for t_s, (who, event) in enumerate(events):
+        line.see(JournalEntry(float(t_s), who, event))
+    return [event.shown.time_s for event in line.events]
+
+
+def test_an_answer_that_a_unit_has_had_is_listed_once_until_it_has_another() -> None:
+    asked = [(MANAGER, HELD), (MANAGER, UNDEFINED), (MANAGER, HELD), ("K1", SignOnDenied(why="undefined"))]
+    assert listed(*asked, *asked) == [0.0, 1.0, 3.0]
+    granted = (MANAGER, GRANTED)
+    assert listed(*asked[:3], granted, *asked) == [0.0, 1.0, 4.0, 5.0, 7.0]  # a grant is seen in the sections
+
+
+def test_what_one_unit_has_had_is_another_answer_to_another_and_by_another() -> None:
+    other = Refused(unit_id="K2", section_ids=("8",), other_id="K2", why="HELD")
+    assert listed((MANAGER, HELD), (MANAGER, other), ("A-E", HELD), (MANAGER, HELD)) == [0.0, 1.0, 2.0]
+
+
+def test_each_word_of_a_person_is_answered() -> None:
+    word = (MANAGER, Refused(unit_id="K1", why="Sato: the unit is reported"))
+    assert listed(word, word) == [0.0, 1.0]
