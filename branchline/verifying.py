@@ -85,6 +85,8 @@ def explore(
     if names == ["list"]:
         end_with({"restore": sorted(RESTORED)}, sorted(RESTORED), good=True, as_json=as_json)
     _known(names, sorted(RESTORED))
+    if out is not None and (names or collisions):
+        raise InputError("--out", "", str(out), "no certificate with --restore or --collisions")
     if drill is not None:
         check_out(drill, FILES.__contains__, WHAT, "--drill")
     began_s = time.process_time()
@@ -95,7 +97,7 @@ def explore(
         except OverflowError as error:
             raise InputError("CONFIG", "", config, f"numbers with which a state has room: {error}") from error
         took_s = max(time.process_time() - began_s, 1e-3)
-        figures, lines = _found(found, took_s)
+        figures, lines = _found(found, took_s, collisions=collisions)
         if drill is not None and found.told:
             more, told = _told_on_line(found, drill)
             figures |= more
@@ -103,7 +105,7 @@ def explore(
     if chart is not None and found.chart:
         chart.write_text(f"```mermaid\n{found.chart}```\n", "utf-8")
         lines.append(f"chart: {chart}")
-    if out is not None and found.holds and not names:
+    if out is not None and found.holds:
         digest = write(out, certificate_of(found))
         figures |= {"certificate": str(out), "digest": digest}
         lines.append(f"certificate: {out}, {out.stat().st_size / _MEGABYTE:.1f} MB, digest {digest}")
@@ -137,7 +139,9 @@ def _explore_crossing(kind: str, config: str, states: int, *, as_json: bool) -> 
     end_with(figures, lines, good=found.holds, as_json=as_json)
 
 
-def _found(found: ExploredSpace | CrossingSpace, took_s: float) -> tuple[dict[str, object], list[str]]:
+def _found(
+    found: ExploredSpace | CrossingSpace, took_s: float, *, collisions: bool = False
+) -> tuple[dict[str, object], list[str]]:
     """What an exploration comes to: figures, and lines for people."""
     space = found.space
     count = len(space.states)
@@ -156,7 +160,7 @@ def _found(found: ExploredSpace | CrossingSpace, took_s: float) -> tuple[dict[st
     lines = [
         f"{count} distinct states, {space.generated} generated, {len(space.levels)} levels;"
         f" {took_s:.1f} s of one processor, {count / took_s:.0f} distinct a second, {figures['memory_mb']} MB",
-        *_verdict(found.broken, found.dead, complete=space.complete),
+        *_verdict(found.broken, found.dead, complete=space.complete, collisions=collisions),
         *(f"  {index}. {line}" for index, line in enumerate(found.story, start=1)),
     ]
     return figures, lines
@@ -175,8 +179,12 @@ def recount(
 
     if not file.is_file():
         raise InputError(str(file), "", None, "a certificate")
-    found = recounted(read(file), lambda count: print_aside(f"{count} states"), processes=processes)
+    certificate = read(file)
+    found = recounted(certificate, lambda count: print_aside(f"{count} states"), processes=processes)
+    budgets = "/".join(map(str, certificate.budgets))
     figures = {
+        "trains": certificate.trains,
+        "budgets": budgets,
         "refused": found.refused,
         "states": found.states,
         "successors": found.successors,
@@ -186,8 +194,8 @@ def recount(
     lines = [
         f"refused: {found.refused}"
         if found.refused
-        else f"it holds: {found.states} states, {found.successors} successors all among them, none unsafe;"
-        f" all trains can finish from each in at most {found.rank_max} steps"
+        else f"it holds for {certificate.trains} trains and {budgets}: {found.states} states, {found.successors}"
+        f" successors all among them, none unsafe; all trains can finish from each in at most {found.rank_max} steps"
     ]
     end_with(figures, lines, good=not found.refused, as_json=as_json)
 
@@ -358,14 +366,15 @@ def intruders(
     end_with(told, lines, good=all(one.held for one in found), as_json=as_json)
 
 
-def _verdict(broken: str, dead: int, *, complete: bool) -> list[str]:
+def _verdict(broken: str, dead: int, *, complete: bool, collisions: bool) -> list[str]:
     if broken:
         return [f"broken: {broken}; the shortest way to it:"]
+    safe = "without two trains in one section (no other rule was looked at)" if collisions else "safe"
     if dead:
-        return [f"safe, but from {dead} states not all trains can finish; the shortest way to one:"]
+        return [f"{safe}, but from {dead} states not all trains can finish; the shortest way to one:"]
     if complete:
-        return ["all of them are safe, and from each all trains can still finish"]
-    return ["safe as far as was looked; not all states were"]
+        return [f"all of them are {safe}, and from each all trains can still finish"]
+    return [f"{safe} as far as was looked; not all states were"]
 
 
 def _watch(level: Level) -> None:

@@ -16,7 +16,7 @@ from verify.explore import certificate_of, explored
 from verify.explored_line import BIT, Budgets, ExploredLine
 from verify.halves import Halves
 from verify.parties import ExploredParties, StepKind
-from verify.recount import ELSEWHERE, recount
+from verify.recount import ELSEWHERE, NO_ROOM, NOT_IN_TABLES, recount
 from verify.restored import restored
 from verify.search import search
 
@@ -94,6 +94,33 @@ def test_an_unsafe_state_put_in_is_refused(certificate: Certificate) -> None:
     ranks = certificate.ranks[: 2 * at] + b"\0\1" + certificate.ranks[2 * at :]
     found = recount(replace(certificate, states=b"".join(states), ranks=ranks))
     assert "is not safe: two trains in one section" in found.refused
+
+
+@pytest.mark.parametrize(("cells", "states"), [(2, (0, 1)), (1, (2**64 - 1,))])
+def test_few_states_that_pass_for_all_others_are_refused(
+    certificate: Certificate, cells: int, states: tuple[int, ...]
+) -> None:
+    """All trains have left before any came. The start has the number of such a state, as its cells have no room in it,
+    or, where its cells are in no table, the number of what is in none.
+    """
+    parties = ExploredParties(certificate.line)
+    for kind, *of in certificate.made:
+        parties.make(StepKind(kind), *of)
+    of_cells = Halves(parties, certificate.grounds, certificate.cells).of_cells
+    gone = [
+        next(c for c, done in zip(known, of.column("finished"), strict=True) if done and not any(c[1]))
+        for known, of in zip(certificate.cells, of_cells, strict=True)
+    ]
+    parts, left = certificate.grounds[0]
+    forged = replace(
+        certificate,
+        bits=(62, 0, 0),
+        grounds=((parts, left), (parts, (7, *left[1:]))),
+        cells=tuple((last, (0, last[1], 0))[:cells] for last in gone),
+        states=b"".join(state.to_bytes(WIDTH) for state in states),
+        ranks=bytes(2 * len(states)),
+    )
+    assert recount(forged).refused in (NO_ROOM, NOT_IN_TABLES)
 
 
 def test_a_step_that_has_changed_is_refused(
