@@ -236,6 +236,7 @@ def inside(
     from verify.evidence.inside import InsideFigures
     from verify.evidence.inside_runs import LINES as EXPLORED
     from verify.evidence.inside_runs import (
+        broken_in,
         by_lack,
         explored_views,
         first_without,
@@ -248,15 +249,16 @@ def inside(
     from verify.restored import RESTORED, restored
 
     _known(restore or [], sorted(RESTORED))
-    views, figures = explored_views(EXPLORED, print_aside), InsideFigures()
+    views, figures, broken = explored_views(EXPLORED, print_aside), InsideFigures(), list[str]()
     for name in runs_named(names):
         first = load(name)
         if not is_by_authority(first):
             print_aside(f"{name}: people work the line, so that it is left out")
             continue
         for seed in range(first.setup.seed, first.setup.seed + seeds):
+            day = load(name, seed) if seeds > 1 else first
             with restored(*(restore or [])):
-                watched_run(load(name, seed) if seeds > 1 else first, views, figures)
+                broken += broken_in(day, watched_run(day, views, figures))
         print_aside(f"{name}: {figures.states} states, {sum(figures.outside.values())} outside")
     lacks, unknown = by_lack(figures), first_without(figures)
     share = figures.beyond / max(1, figures.events)
@@ -265,6 +267,7 @@ def inside(
         f" of {len(views)} that explored states have",
         f"outside: {sum(figures.outside.values())} states, at {figures.beyond} events ({100.0 * share:.2f} %)",
         *(f"  {count}: {lack}" for lack, count in lacks.most_common()),
+        *(f"a run broke a rule: {text}" for text in broken),
     ]
     if unknown is not None:
         view, at = unknown
@@ -280,9 +283,10 @@ def inside(
         "outside": sum(figures.outside.values()),
         "events_outside": figures.beyond,
         "lacks": dict(lacks),
+        "broken": broken,
         "first": None if unknown is None else unknown[1]._asdict(),
     }
-    end_with(told, lines, good=unknown is None, as_json=as_json)
+    end_with(told, lines, good=unknown is None and not broken, as_json=as_json)
 
 
 @verify.command()
