@@ -1,15 +1,15 @@
 """What the picture of occupancy shows stands in it."""
 
 from types import SimpleNamespace
-from typing import Any
+from typing import cast
 
-from study.capacity.line_capacity import Period
+from study.capacity.line_capacity import Period, Rate
 from study.report.capacity import draw_occupation
 from study.report.style import drawing
 
 
-def rate(name: str, share: float) -> Any:
-    return SimpleNamespace(
+def rate(name: str, share: float) -> Rate:
+    row = SimpleNamespace(
         part=SimpleNamespace(kind=SimpleNamespace(value="line"), name=name),
         period=Period("peak", 25_200.0, 28_800.0, peak=True),
         trains=12,
@@ -17,6 +17,7 @@ def rate(name: str, share: float) -> Any:
         limit_share=0.75,
         compressed=SimpleNamespace(section_id="OTK-KNN.E"),
     )
+    return cast(Rate, row)
 
 
 def test_a_panel_fuller_than_those_below_it_is_shown_whole() -> None:
