@@ -30,4 +30,4 @@ def test_a_panel_fuller_than_those_below_it_is_shown_whole() -> None:
             texts = [text.get_window_extent() for text in axes.texts]
             shown = axes.get_window_extent()
             assert texts and all(text.x1 < shown.x1 for text in texts)
-            assert max(patch.get_bbox().x1 for patch in axes.patches) < axes.get_xlim()[1]
+            assert float(axes.dataLim.x1) < axes.get_xlim()[1]
