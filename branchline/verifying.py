@@ -25,6 +25,7 @@ verify = typer.Typer(
     no_args_is_help=True, help="Prove the state machines safe on a small line, and check such proofs."
 )
 _TOLD_EVERY: Final = 10  # levels
+_TRAINS: Final = 2
 _MEGABYTE: Final = 1 << 20
 
 
@@ -60,7 +61,9 @@ def explore(
             "--drill", help="Folder to be made: the way to a wrong state as a drill on a line, which is run."
         ),
     ] = None,
-    trains: Annotated[int, typer.Option("--trains", min=1, max=3, help="How many trains there are.")] = 2,
+    trains: Annotated[
+        int, typer.Option("--trains", min=1, max=3, help="How many trains there are.")
+    ] = _TRAINS,
     crossing: Annotated[
         str | None,
         typer.Option(
@@ -72,9 +75,12 @@ def explore(
     as_json: Json = False,
 ) -> None:
     """Explore every state of a line of a few trains, or of a level crossing: can all finish?"""
-    if crossing is not None:
-        _explore_crossing(crossing, config, states, as_json=as_json)
     from network.errors import InputError
+
+    if crossing is not None:
+        if restore or collisions or out or chart or drill or trains != _TRAINS:
+            raise InputError("--crossing", "", crossing, "with it no other option than --states and --json")
+        _explore_crossing(crossing, config, states, as_json=as_json)
     from study.record.directory import check_out
     from verify.certificate import write
     from verify.evidence.story_drill import FILES, WHAT

@@ -1,7 +1,8 @@
 """The checker takes a certificate that holds, and refuses one that does not."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -162,3 +163,25 @@ def test_no_certificate_of_what_does_not_hold() -> None:
         found = explored(ExploredLine(budgets=Budgets(loss=1)))
     with pytest.raises(ValueError, match="safe and alive"):
         certificate_of(found)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--crossing", "barriers", "--restore", "sign-off-frees"),
+        ("--crossing", "barriers", "--out", "a.cert"),
+        ("--restore", "sign-off-frees", "--out", "a.cert"),
+        ("--collisions", "--out", "a.cert"),
+    ],
+)
+def test_what_would_not_be_done_is_refused(
+    main: Callable[..., Any], tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    assert main("verify", "explore", "0", *options).code == 2
+    assert not list(tmp_path.iterdir())
+
+
+def test_collisions_alone_are_not_called_safe(main: Callable[..., Any]) -> None:
+    told = main("verify", "explore", "0", "--collisions")
+    assert told.code == 0
+    assert "no other rule was looked at" in told.out
