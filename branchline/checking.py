@@ -29,6 +29,7 @@ def check(
     from scenario.scenario import load_scenario
     from study.evaluate.release import CONFIRMED_BY_EYE, confirmed_by_eye
     from study.feasibility.check import feasibility
+    from study.feasibility.early import early_text
     from study.feasibility.finding import FindingKind, Severity
 
     loaded = load_scenario(scenario)
@@ -36,7 +37,7 @@ def check(
     with said_if_long("checking where trains meet"):
         found = feasibility(loaded.setup)
     drawn = not any(finding.kind is FindingKind.NO_WAY for finding in found.impossible)
-    weaker = confirmed_by_eye(loaded.setup) if drawn else {}
+    weaker, early = (confirmed_by_eye(loaded.setup), early_text(loaded.setup)) if drawn else ({}, "")
     figures: dict[str, Any] = {
         "scenario": loaded.id,
         "line": line.id,
@@ -51,6 +52,7 @@ def check(
             **{severity.value: len(found.of_severity(severity)) for severity in Severity},
             "findings": [finding.as_dict() for finding in found.findings],
             "confirmed_by_eye": weaker,
+            "early": early,
         }
         print_json(figures | listed, outcome)
     else:
@@ -61,6 +63,7 @@ def check(
         _print_found(found, line)
         for place, trains in weaker.items():
             sys.stdout.write(f"weaker: {place}: {CONFIRMED_BY_EYE} ({', '.join(trains)})\n")
+        sys.stdout.write(f"early: {early}\n" if early else "")
     end(outcome)
 
 

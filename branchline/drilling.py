@@ -104,6 +104,7 @@ def drill(
         good = sweep_all_kinds(file, asked) if sweep_kinds else sweep_drill(file, asked)
         end(judged_outcome(good))
     from study.drilling.drill import fill_drill, run_drill, score_text, sentence_of, shipped_drills
+    from study.feasibility.early import early_text
     from study.record.directory import reserved
     from study.runner.run import link_of, units_at
 
@@ -131,6 +132,8 @@ def drill(
             sys.stdout.write(
                 f"  {'met    ' if verdict.passed else 'NOT MET'}  {verdict.text}: {verdict.happened}\n"
             )
+        early = early_text(done.run.scenario.setup)
+        sys.stdout.write(f"  came due {early}\n" if early else "")
         sys.stdout.write("".join(f"  never came due: {text}\n" for text in done.never_due))
         sys.stdout.write(f"  {score_text(done.scores).en}\n")
     if not done.passed:

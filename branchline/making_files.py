@@ -78,7 +78,9 @@ def new_timetable(
     line: Annotated[str, typer.Option("--line", help="A shipped line, or a line file (.toml).")],
     every: Annotated[int, typer.Option("--every", help="Minutes from one train to the next, each way.")] = 60,
     from_time: Annotated[str, typer.Option("--from", help="First departure, HH:MM.")] = "06:00",
-    to_time: Annotated[str, typer.Option("--to", help="Last departure from the ends, HH:MM.")] = "22:00",
+    to_time: Annotated[
+        str, typer.Option("--to", help="From then on no train leaves an end, HH:MM.")
+    ] = "22:00",
     train: Annotated[str, typer.Option("--train", help="A shipped train, or a train file.")] = "ev_e301",
     scenario: Annotated[
         Path | None, typer.Option("--scenario", help="Also write a scenario that runs it.")

@@ -25,6 +25,7 @@ verify = typer.Typer(
     no_args_is_help=True, help="Prove the state machines safe on a small line, and check such proofs."
 )
 _TOLD_EVERY: Final = 10  # levels
+_TRAINS: Final = 2
 _MEGABYTE: Final = 1 << 20
 
 
@@ -60,7 +61,9 @@ def explore(
             "--drill", help="Folder to be made: the way to a wrong state as a drill on a line, which is run."
         ),
     ] = None,
-    trains: Annotated[int, typer.Option("--trains", min=1, max=3, help="How many trains there are.")] = 2,
+    trains: Annotated[
+        int, typer.Option("--trains", min=1, max=3, help="How many trains there are.")
+    ] = _TRAINS,
     crossing: Annotated[
         str | None,
         typer.Option(
@@ -72,9 +75,12 @@ def explore(
     as_json: Json = False,
 ) -> None:
     """Explore every state of a line of a few trains, or of a level crossing: can all finish?"""
-    if crossing is not None:
-        _explore_crossing(crossing, config, states, as_json=as_json)
     from network.errors import InputError
+
+    if crossing is not None:
+        if restore or collisions or out or chart or drill or trains != _TRAINS:
+            raise InputError("--crossing", "", crossing, "with it no other option than --states and --json")
+        _explore_crossing(crossing, config, states, as_json=as_json)
     from study.record.directory import check_out
     from verify.certificate import write
     from verify.evidence.story_drill import FILES, WHAT
@@ -85,6 +91,8 @@ def explore(
     if names == ["list"]:
         end_with({"restore": sorted(RESTORED)}, sorted(RESTORED), good=True, as_json=as_json)
     _known(names, sorted(RESTORED))
+    if out is not None and (names or collisions):
+        raise InputError("--out", "", str(out), "no certificate with --restore or --collisions")
     if drill is not None:
         check_out(drill, FILES.__contains__, WHAT, "--drill")
     began_s = time.process_time()
@@ -95,7 +103,7 @@ def explore(
         except OverflowError as error:
             raise InputError("CONFIG", "", config, f"numbers with which a state has room: {error}") from error
         took_s = max(time.process_time() - began_s, 1e-3)
-        figures, lines = _found(found, took_s)
+        figures, lines = _found(found, took_s, collisions=collisions)
         if drill is not None and found.told:
             more, told = _told_on_line(found, drill)
             figures |= more
@@ -103,7 +111,7 @@ def explore(
     if chart is not None and found.chart:
         chart.write_text(f"```mermaid\n{found.chart}```\n", "utf-8")
         lines.append(f"chart: {chart}")
-    if out is not None and found.holds and not names:
+    if out is not None and found.holds:
         digest = write(out, certificate_of(found))
         figures |= {"certificate": str(out), "digest": digest}
         lines.append(f"certificate: {out}, {out.stat().st_size / _MEGABYTE:.1f} MB, digest {digest}")
@@ -137,7 +145,9 @@ def _explore_crossing(kind: str, config: str, states: int, *, as_json: bool) -> 
     end_with(figures, lines, good=found.holds, as_json=as_json)
 
 
-def _found(found: ExploredSpace | CrossingSpace, took_s: float) -> tuple[dict[str, object], list[str]]:
+def _found(
+    found: ExploredSpace | CrossingSpace, took_s: float, *, collisions: bool = False
+) -> tuple[dict[str, object], list[str]]:
     """What an exploration comes to: figures, and lines for people."""
     space = found.space
     count = len(space.states)
@@ -156,7 +166,7 @@ def _found(found: ExploredSpace | CrossingSpace, took_s: float) -> tuple[dict[st
     lines = [
         f"{count} distinct states, {space.generated} generated, {len(space.levels)} levels;"
         f" {took_s:.1f} s of one processor, {count / took_s:.0f} distinct a second, {figures['memory_mb']} MB",
-        *_verdict(found.broken, found.dead, complete=space.complete),
+        *_verdict(found.broken, found.dead, complete=space.complete, collisions=collisions),
         *(f"  {index}. {line}" for index, line in enumerate(found.story, start=1)),
     ]
     return figures, lines
@@ -175,8 +185,12 @@ def recount(
 
     if not file.is_file():
         raise InputError(str(file), "", None, "a certificate")
-    found = recounted(read(file), lambda count: print_aside(f"{count} states"), processes=processes)
+    certificate = read(file)
+    found = recounted(certificate, lambda count: print_aside(f"{count} states"), processes=processes)
+    budgets = "/".join(map(str, certificate.budgets))
     figures = {
+        "trains": certificate.trains,
+        "budgets": budgets,
         "refused": found.refused,
         "states": found.states,
         "successors": found.successors,
@@ -186,8 +200,8 @@ def recount(
     lines = [
         f"refused: {found.refused}"
         if found.refused
-        else f"it holds: {found.states} states, {found.successors} successors all among them, none unsafe;"
-        f" all trains can finish from each in at most {found.rank_max} steps"
+        else f"it holds for {certificate.trains} trains and {budgets}: {found.states} states, {found.successors}"
+        f" successors all among them, none unsafe; all trains can finish from each in at most {found.rank_max} steps"
     ]
     end_with(figures, lines, good=not found.refused, as_json=as_json)
 
@@ -228,6 +242,7 @@ def inside(
     from verify.evidence.inside import InsideFigures
     from verify.evidence.inside_runs import LINES as EXPLORED
     from verify.evidence.inside_runs import (
+        broken_in,
         by_lack,
         explored_views,
         first_without,
@@ -240,15 +255,16 @@ def inside(
     from verify.restored import RESTORED, restored
 
     _known(restore or [], sorted(RESTORED))
-    views, figures = explored_views(EXPLORED, print_aside), InsideFigures()
+    views, figures, broken = explored_views(EXPLORED, print_aside), InsideFigures(), list[str]()
     for name in runs_named(names):
         first = load(name)
         if not is_by_authority(first):
             print_aside(f"{name}: people work the line, so that it is left out")
             continue
         for seed in range(first.setup.seed, first.setup.seed + seeds):
+            day = load(name, seed) if seeds > 1 else first
             with restored(*(restore or [])):
-                watched_run(load(name, seed) if seeds > 1 else first, views, figures)
+                broken += broken_in(day, watched_run(day, views, figures))
         print_aside(f"{name}: {figures.states} states, {sum(figures.outside.values())} outside")
     lacks, unknown = by_lack(figures), first_without(figures)
     share = figures.beyond / max(1, figures.events)
@@ -257,6 +273,7 @@ def inside(
         f" of {len(views)} that explored states have",
         f"outside: {sum(figures.outside.values())} states, at {figures.beyond} events ({100.0 * share:.2f} %)",
         *(f"  {count}: {lack}" for lack, count in lacks.most_common()),
+        *(f"a run broke a rule: {text}" for text in broken),
     ]
     if unknown is not None:
         view, at = unknown
@@ -272,9 +289,10 @@ def inside(
         "outside": sum(figures.outside.values()),
         "events_outside": figures.beyond,
         "lacks": dict(lacks),
+        "broken": broken,
         "first": None if unknown is None else unknown[1]._asdict(),
     }
-    end_with(told, lines, good=unknown is None, as_json=as_json)
+    end_with(told, lines, good=unknown is None and not broken, as_json=as_json)
 
 
 @verify.command()
@@ -358,14 +376,15 @@ def intruders(
     end_with(told, lines, good=all(one.held for one in found), as_json=as_json)
 
 
-def _verdict(broken: str, dead: int, *, complete: bool) -> list[str]:
+def _verdict(broken: str, dead: int, *, complete: bool, collisions: bool) -> list[str]:
     if broken:
         return [f"broken: {broken}; the shortest way to it:"]
+    safe = "without two trains in one section (no other rule was looked at)" if collisions else "safe"
     if dead:
-        return [f"safe, but from {dead} states not all trains can finish; the shortest way to one:"]
+        return [f"{safe}, but from {dead} states not all trains can finish; the shortest way to one:"]
     if complete:
-        return ["all of them are safe, and from each all trains can still finish"]
-    return ["safe as far as was looked; not all states were"]
+        return [f"all of them are {safe}, and from each all trains can still finish"]
+    return [f"{safe} as far as was looked; not all states were"]
 
 
 def _watch(level: Level) -> None:

@@ -93,7 +93,9 @@ WHOLE: Final[Mapping[str, str]] = {
     "A train": "vehicle/trains/br642.toml",
     "A drill": "study/drills/karasuyama/42_doors.toml",
 }
-_START: Final = "The `start` of faults and acts, and the events of expectations, may be"
+_START: Final = (
+    "The `start` of faults and acts may be a time (HH:MM:SS); that, and the events of expectations"
+)
 _UNITS_INTRO: Final = "Instead of a key in SI a file may have one of another ending, which is converted: "
 _WORDS: Final = """## What a patch may say
 
@@ -146,7 +148,9 @@ def _acts() -> str:
         (f"`{kind.value}`", ", ".join(f"`{key}`" for key in sorted(ACT_KEYS[kind])), meaning)
         for kind, meaning in ACT_MEANINGS.items()
     ]
-    return f"## Kinds of acts\n\n{table(('kind', 'keys', 'meaning'), rows)}\n\n{_START}: {WORDS_HELP}.\n"
+    return (
+        f"## Kinds of acts\n\n{table(('kind', 'keys', 'meaning'), rows)}\n\n{_START}, may be {WORDS_HELP}.\n"
+    )
 
 
 def _wholes() -> Iterator[str]:

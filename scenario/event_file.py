@@ -124,16 +124,22 @@ _WORDS: Final[Mapping[tuple[EventType, str], tuple[object, ...]]] = {
 
 
 def matcher_in(
-    file: str, key: str, given: str | Mapping[str, Any], names: Names, *, exact: bool = False
+    file: str,
+    key: str,
+    given: str | Mapping[str, Any],
+    names: Names,
+    *,
+    exact: bool = False,
+    or_else: str = "",
 ) -> Matcher:
     """The event that a key of a file names. InputError for what no run can have in its journal.
 
     `exact`: an event that never happens would count as met, or would leave something out without a word, so every
-    value must be one that can be checked.
+    value must be one that can be checked. `or_else`: what besides an event may stand there, in words.
     """
     matcher = matcher_of(given) if isinstance(given, str) else _table(file, key, given, names, exact=exact)
     if matcher is None:
-        raise InputError(file, key, given, WORDS_HELP)
+        raise InputError(file, key, given, or_else + WORDS_HELP)
     parties = (*names.units, *names.devices, WORLD, *names.people)
     if matcher.who is not None and matcher.who not in parties:
         raise InputError(file, f"{key}.who", matcher.who, one_of(parties, matcher.who))

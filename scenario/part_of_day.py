@@ -64,8 +64,8 @@ def part_of_day(scenario: Scenario, begins: str | None, until: str | None) -> Sc
         raise InputError(COMMAND_LINE, UNTIL, until, f"a time after {clock(max(from_s, first_s))}")
     setup = scenario.setup
     if begins is not None:
-        script = setup.script
-        if script.faults or script.acts:
+        at_signals = () if setup.line_signals is None else setup.line_signals.act
+        if setup.script.faults or setup.script.acts or at_signals:
             raise InputError(
                 COMMAND_LINE, FROM, begins, "a scenario without faults and acts: they need the whole day"
             )

@@ -381,7 +381,8 @@ def _by(file: str, key: str, text: str, setup: Setup) -> float:
 def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float, names: Names) -> Trigger:
     if isinstance(given, str) and _CLOCK.fullmatch(given):
         return Trigger(at_s=time_of(file, key, given), after_s=after_s)
-    return Trigger(on=matcher_in(file, key, given, names, exact=True), after_s=after_s)
+    on = matcher_in(file, key, given, names, exact=True, or_else="a time (HH:MM:SS), or ")
+    return Trigger(on=on, after_s=after_s)
 
 
 def time_of(file: str, key: str, text: str) -> float:

@@ -48,13 +48,12 @@ from simulation.world.records import (
     PASSED_TAG,
     PASSED_TO_A_STAND,
 )
-from simulation.world.roster import drawn_up
+from simulation.world.roster import begins_s, drawn_up
 from simulation.world.stage import world_of
 from simulation.world.trains import SIGN
 from sumo_cfg.truth_map import NetMap
 
 WATCHING_STEPS: Final = 5  # while drivers on sight look out for another train
-OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
 
 Progress = Callable[[float, float, int], None]  # now s, end s, trains arrived
 
@@ -77,8 +76,7 @@ class Simulation:
         self.setup: Final = setup
         self.journal = journal or Journal()
         duties = drawn_up(setup, setup.believed_line)
-        first_s = min(duty.enter_s for drawn in duties.values() for duty in drawn)
-        self._begin_step = round(math.floor((first_s - OPENING_S) / 60.0) * 60.0 / STEP_S)
+        self._begin_step = round(begins_s(duty for drawn in duties.values() for duty in drawn) / STEP_S)
         self._limit_step = round(setup.latest_end_s / STEP_S)
         self._step = self._begin_step
         self._carrier = carrier_of(self._begin_step / STEPS_PER_S, road)

@@ -26,8 +26,11 @@ from verify.parties import ExploredParties, StepKind
 
 Numbers = NDArray[np.int64]
 ELSEWHERE: Final = "a step does not lead where it did"
+NO_ROOM: Final = "two states may have one number: their parts have no room in it"
+NOT_IN_TABLES: Final = "a state has parts that are not in the tables"
 AT_ONCE: Final = 500_000
 _RANK_MAX: Final = 1 << 16
+_STATE_BITS: Final = 64
 
 
 @dataclass(frozen=True)
@@ -112,14 +115,20 @@ class _Recount:
 
     def _at_once(self) -> str:
         """What is wrong before any member is looked at."""
+        named = self._halves.grounds_named, *self._halves.cells_named
+        if sum(self._bits) > _STATE_BITS or any(
+            count > 1 << bits for bits, count in zip(self._bits, named, strict=True)
+        ):
+            return NO_ROOM
         if len(self._ranks) != len(self.states):
             return "not every state has a rank"
         if np.any(self.states[1:] <= self.states[:-1]):
             return "the states are not in order, or one is named twice"
         ground, cells = self._parts(self.states)
         sizes = len(self._halves.grounds), *map(len, self._halves.cells)
-        if any(len(n) and int(n.max()) >= size for n, size in zip((ground, *cells), sizes, strict=True)):
-            return "a state has parts that are not in the tables"
+        parts = zip((ground, *cells), sizes, strict=True)
+        if any(len(n) and not 0 <= int(n.min()) <= int(n.max()) < size for n, size in parts):
+            return NOT_IN_TABLES
         start = self._key(*self._halves.start())
         return "" if self._among(start)[1].all() else "the start is not in it"
 

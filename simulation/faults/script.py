@@ -243,9 +243,9 @@ _WORDS: Final[tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], dict[str, A
     (re.compile(r"(\S+) restarts"), lambda m: {"events": (UnitRestarted, Started), "who": m[1]}),
 )
 WORDS_HELP: Final = (
-    "a time (HH:MM:SS), or words such as 'train 323M passes tag 4', 'train 323M departs OGN', 'train 323M arrives"
-    " OGN', 'train 323M enters', 'train 323M holds OGN.1', 'points OGN.11 move', 'points OGN.11 lock', 'V1 restarts',"
-    " 'V1 waits to be commissioned'"
+    "words such as 'train 323M passes tag 4', 'train 323M departs OGN', 'train 323M arrives OGN', 'train"
+    " 323M enters', 'train 323M holds OGN.1', 'points OGN.11 move', 'points OGN.11 lock', 'V1 restarts', 'V1 waits to"
+    " be commissioned'"
 )
 
 

@@ -35,10 +35,9 @@ class PilotWatch:
                 self.cut_out.discard(unit_id)
             case ProcedureStep(block=block, step=step, unit_id="") if block in self._needs:
                 self._done[block].add(step)
-                if step == WorkingStep.RELEASE.value:
-                    self._done[block].clear()
-                    self._let_in[block].clear()
-                    self._rides.pop(block, None)
+                nobody = WorkingStep.PILOT.value not in self._done[block]
+                if step == WorkingStep.RELEASE.value or (step == WorkingStep.STOP.value and nobody):
+                    self._is_over(block)
             case ProcedureStep(block=block, step=step, unit_id=unit_id) if block in self._needs:
                 self._of_train.setdefault((block, unit_id), set()).add(step)
                 if step == WorkingStep.ARRIVED.value:
@@ -54,6 +53,13 @@ class PilotWatch:
                     self._of_train[block, unit_id].discard(step)  # he is not there, so it is none
             case _:
                 pass
+
+    def _is_over(self, block: str) -> None:
+        """What was done in a section, and for trains that did not come, is for no later working there."""
+        self._done[block].clear()
+        self._let_in[block].clear()
+        self._rides.pop(block, None)
+        self._of_train = {key: steps for key, steps in self._of_train.items() if key[0] != block}
 
     def came_in(self, t_s: float, unit_id: str, section_ids: Iterable[str]) -> None:
         """A train came into these sections."""

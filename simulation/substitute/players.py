@@ -72,9 +72,8 @@ class SubstitutePlayers:
 
     def look(self, step: int) -> None:
         """All look round: what is due is done."""
-        if not self.works and MANAGER_ID in self._wayside.down:
-            self.works = works_of(self._hops, self._settings)
-            self._steps.begin()
+        if MANAGER_ID in self._wayside.down:
+            self._begin_works()
         if not self.works:
             return
         self.drivers.look(step)
@@ -85,6 +84,15 @@ class SubstitutePlayers:
                 pass
         if all(work.over for work in self.works):
             self._hand_back(step)
+
+    def _begin_works(self) -> None:
+        """The block manager is off: all is to be worked, also what had been ended before it failed again."""
+        if not self.works:
+            self.works = works_of(self._hops, self._settings)
+            self._steps.begin()
+        elif any(work.over for work in self.works) and not all(work.over for work in self.works):
+            anew = {work.name: work for work in works_of(self._hops, self._settings)}
+            self.works = [anew[work.name] if work.over else work for work in self.works]
 
     def is_ending(self, work: Work) -> bool:
         """Whether the ordinary working is to come back: the block manager is there, or a person has said so."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import zip_longest
+from typing import Final
 
 from network.graph import routes_from
 from network.model import Line, SectionKind, TagPurpose
@@ -12,6 +15,7 @@ from onboard.mission import Mission, NoWay, on_tracks, plan_mission
 from simulation.late.entry import entry_late_s
 from simulation.setup import Setup
 
+OPENING_S: Final = 600.0  # the run begins this long before the first thing planned
 PORTAL_STAND_M = 40.0  # a train enters with its rear this far inside the portal's outer end, at most
 
 
@@ -32,6 +36,11 @@ class Duty:
     def comes_s(self) -> float:
         """When it stands before its portal, s; `enter_s` is when it should."""
         return self.enter_s + self.late_s
+
+
+def begins_s(duties: Iterable[Duty]) -> float:
+    """When a run of these duties begins, s, on a whole minute."""
+    return math.floor((min((duty.enter_s for duty in duties), default=0.0) - OPENING_S) / 60.0) * 60.0
 
 
 def drawn_up(setup: Setup, line: Line) -> dict[str, tuple[Duty, ...]]:

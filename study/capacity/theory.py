@@ -22,10 +22,10 @@ from network.errors import InputError
 from network.graph import overlap_id, overlaps_coming_in, overlaps_going_out
 from network.model import Position
 from onboard.reach import charger_at
-from simulation.loop import OPENING_S
 from simulation.people import Pause
 from simulation.setup import Setup
 from simulation.world.charge_control import READY_S, WORTH_S
+from simulation.world.roster import begins_s
 from study.capacity.clearing import ReleaseTimes
 from study.capacity.driven import StockDriving, driving_of
 from study.capacity.journey import TrainJourney
@@ -54,8 +54,7 @@ class Theory:
         self._driving: Final[dict[str, StockDriving]] = {
             stock_id: driving_of(setup, stock_id, rules, self.links) for stock_id in self._day.trains
         }
-        first_s = min((train.duty.enter_s for train in self._day.all()), default=0.0)
-        self.opens_s: Final = math.floor((first_s - OPENING_S) / 60.0) * 60.0
+        self.opens_s: Final = begins_s(train.duty for train in self._day.all())
 
     def journeys(self) -> dict[str, tuple[TrainJourney, ...]]:
         """The journeys of each stock as planned, in order. Points are set as the order of the day has them.

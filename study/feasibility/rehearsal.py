@@ -23,11 +23,11 @@ from onboard.authority.tables import REFUSED_REPEAT_S
 from onboard.duty.timekeeping import CRUISE_MIN_KMH
 from onboard.duty_parameters import ReleaseRule
 from simulation.setup import Setup
+from simulation.world.roster import OPENING_S
 from study.feasibility.entries import Entries
 from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
 from study.feasibility.timing import throws_s
 
-OPENING_S: Final = 600.0  # the run begins this long before the first train
 CLEARS_S: Final = (
     30.0  # assumed: from leaving a track until a tag proves it, and points beyond it, to be behind
 )

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Final
 
 from network.clock import clock
-from network.errors import COMMAND_LINE, InputError
 from network.files.toml_text import text_toml
 from scenario.scenario import Scenario, load_scenario
 from simulation.setup import Setup
@@ -106,11 +105,9 @@ def _mass_unit(base: Scenario) -> str:
 
 
 def drill_text(stem: str, scenario: str, base: Scenario) -> str:
-    """The drill's file. InputError for a scenario without trains, on which nothing can be tried."""
-    trains = base.setup.timetable.trains.values()
-    if not trains:
-        raise InputError(COMMAND_LINE, "--scenario", scenario, "a scenario with trains")
-    fault_s = max(min(train.calls[0].last_s for train in trains) - FAULT_BEFORE_S, 0)
+    """The drill's file."""
+    first_s = min(train.calls[0].last_s for train in base.setup.timetable.trains.values())
+    fault_s = max(first_s - FAULT_BEFORE_S, 0)
     return f"""# A drill on {base.name}: run it with `branchline drill {stem}.toml`.
 # Faults and their keys are in docs/faults.md, acts, expectations and what they may wait for in docs/files.md;
 # events and their data in docs/journal.md.

@@ -88,7 +88,9 @@ def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) ->
         raise InputError(
             COMMAND_LINE, "--line", line.id, "a line with a way from end to end in both directions"
         )
-    short = Pattern(pattern.every_s, pattern.from_s, pattern.from_s + FIRST_CYCLES * pattern.every_s)
+    short = Pattern(
+        pattern.every_s, pattern.from_s, min(pattern.to_s, pattern.from_s + FIRST_CYCLES * pattern.every_s)
+    )
     for slack in SLACKS:
         for kinds in _kinds(line, legs):
             for offset_s in _offsets(legs, kinds, slack, pattern.every_s):

@@ -12,15 +12,15 @@ from typing import Any, Final
 from network.errors import COMMAND_LINE, InputError
 from network.files.schema_walk import resolved_node
 from network.files.text_input import existing_file
-from network.files.toml_input import read_text
+from network.files.toml_input import parse_table, read_text
 from network.raw import is_table
 from scenario.schemas import schema_of
 from study.making.place import checked_new, write_new
 from vehicle.train_file import TrainType, load_train, shipped_train
 
 COMMENT_AT: Final = 44  # column where explanations begin
-_HEADING: Final = re.compile(r"\[([a-z_]+)\]")
-_KEY: Final = re.compile(r"([a-z0-9_]+) = (.*)")
+_HEADING: Final = re.compile(r"\[ *([a-z_]+) *\] *(?:#.*)?")
+_KEY: Final = re.compile(r"([a-z0-9_]+) *= *(.*)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +62,9 @@ def new_train(like: str, out: Path, figures: Figures) -> TrainType:
 
 def train_text(text: str, stem: str, figures: Figures, like: str) -> str:
     """The new file: the old one's lines, each key with what it means, own figures in their places, named as given."""
-    schema = schema_of("train")
-    given = _own_figures(text, figures)
+    schema, named = schema_of("train"), {"id": stem, "name": figures.name or stem}
+    given = _own_figures(text, figures, like)
+    left = dict(given)
     rows = [
         f"# A kind of train, begun from {like}. `branchline check` and `run` name what cannot be; every figure has its",
         "# source, or `assumed: why`, in [provenance]. A figure may be in other units: docs/files.md lists them.",
@@ -79,47 +80,37 @@ def train_text(text: str, stem: str, figures: Figures, like: str) -> str:
         if key is None or table == "provenance":
             if not any(line.startswith(f'"{table_key}"') for table_key in given):
                 rows.append(line)
+            if heading is not None and table == "provenance":
+                rows += [f'"{own}" = "given to `branchline new train`"' for own in given]
             continue
         name, value = key[1], key[2].split(" #")[0].rstrip()
-        value = given.get(f"{table}.{name}", value)
-        if not table:
-            value = {"id": json.dumps(stem), "name": json.dumps(figures.name or stem, ensure_ascii=False)}[
-                name
-            ]
+        value = left.pop(f"{table}.{name}", value)
+        if not table and name in named:
+            value = json.dumps(named[name], ensure_ascii=False)
         rows.append(_explained(f"{name} = {value}", _meaning(schema, table, name)))
-    rows += [f'"{key}" = "given to `branchline new train`"' for key in given]
+    if left:
+        raise InputError(
+            like, next(iter(left)), None, "a line of its own in its table, for another figure to be put in"
+        )
     return "\n".join(rows) + "\n"
 
 
-def _own_figures(text: str, figures: Figures) -> dict[str, str]:
+def _own_figures(text: str, figures: Figures, like: str) -> dict[str, str]:
     """Own figures by table and key, in the unit that the file has."""
-    found: dict[str, str] = {}
+    tables, found = parse_table(text, like), dict[str, str]()
     for option, table, begin, units in _PLACES:
         value = getattr(figures, option)
         if value is None:
             continue
-        unit = next(
-            (
-                u
-                for u in units
-                if re.search(rf"(?m)^{begin}{'_' if u else ''}{u} = ", _table_text(text, table))
-            ),
-            None,
-        )
-        if unit is None:
+        keys = {f"{begin}_{unit}" if unit else begin: share for unit, share in units.items()}
+        key = next((key for key in keys if key in tables.get(table, {})), None)
+        if key is None:
             raise InputError(
                 COMMAND_LINE, f"--{option.replace('_', '-')}", value, "a train whose file has it"
             )
-        scaled = value * units[unit]
-        found[f"{table}.{begin}{'_' if unit else ''}{unit}"] = (
-            f"{scaled:g}" if option == "cars" else repr(float(scaled))
-        )
+        scaled = value * keys[key]
+        found[f"{table}.{key}"] = f"{scaled:g}" if option == "cars" else repr(float(scaled))
     return found
-
-
-def _table_text(text: str, table: str) -> str:
-    """The lines of a table."""
-    return text.partition(f"[{table}]\n")[2].partition("\n[")[0]
 
 
 def _explained(row: str, meaning: str) -> str:

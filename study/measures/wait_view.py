@@ -123,9 +123,14 @@ class StockView:
         self.dwells, self.departed = dwells, False
 
 
+def _is(view: StockView, train: str) -> None:
+    view.train = train
+    view.duty = next((duty for duty in view.duties if duty.train.number == train), None)
+
+
 def _mission(view: StockView, t_s: float, event: notes.MissionBegun) -> None:
-    view.train, view.numberless = event.train, False
-    view.duty = next((duty for duty in view.duties if duty.train.number == event.train), None)
+    _is(view, event.train)
+    view.numberless = False
     view.at = 0
     view.doing = DutyStage.STANDING if view.signed_on else DutyStage.SIGNING_ON
     view.schedule(t_s, dwells=False)
@@ -165,7 +170,8 @@ def _departs(view: StockView, _t_s: float, _event: notes.Departs) -> None:
     view.doing, view.departed = DutyStage.RUNNING, True
 
 
-def _mission_done(view: StockView, _t_s: float, _event: notes.MissionDone) -> None:
+def _mission_done(view: StockView, _t_s: float, event: notes.MissionDone) -> None:
+    _is(view, event.train)  # of one that was driven by hand its unit said nothing as it began
     leaves = view.duty is not None and view.duty.leaves
     view.doing = DutyStage.SIGNING_OFF if leaves else DutyStage.FINISHED
 
@@ -334,7 +340,8 @@ _READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] =
     Lost: _set(cable_cut=True),
     TookEffect: _took_effect,
     events.PowerOff: _set(powered=False, numberless=False),
-    events.PowerOn: _set(powered=True, emergency=True, numberless=True),
+    # An emergency is that of the unit that has restarted: who comes by a portal has none.
+    events.PowerOn: _set(powered=True, emergency=False, numberless=True),
     events.CutOut: _set(by_hand=True),
     events.CutIn: _set(by_hand=False),
     events.FaultBegan: _fault,

@@ -42,6 +42,10 @@ def draw_occupation(by_cut: Mapping[str, Sequence[Rate]]) -> Figure | None:
     for axes, (name, rates) in zip(grid, panels.items(), strict=True):
         _draw_cut(axes, rates)
         axes.set_title(f"cut: {name}")
+    fullest = max(rate.occupied_share for rates in panels.values() for rate in rates)
+    grid[-1].set_xlim(
+        0.0, max(130.0, 130.0 * fullest)
+    )  # of all panels, which share it; a label takes a fifth
     grid[-1].set_xlabel("occupancy time rate, %; the thin line is the limit recommended by UIC 406")
     return figure
 
@@ -62,7 +66,6 @@ def _draw_cut(axes: Axes, rates: Sequence[Rate]) -> None:
     axes.tick_params(axis="y", length=0, labelsize=7.0)
     axes.set_ylim(len(parts) - 0.5, -0.5)
     axes.axvline(100.0, color=PALE, lw=0.6, ls=(0, (4, 3)))
-    axes.set_xlim(0.0, max(130.0, 30.0 + max(100.0 * rate.occupied_share for rate in rates)))
     axes.grid(axis="x")
 
 

@@ -154,6 +154,19 @@ def test_the_two_agree_on_every_shipped_scenario_name(main: Callable[..., Any]) 
     assert f"{first['text']}; {first['remedy']}; 1 more" in refused.err
 
 
+def test_what_has_a_time_before_the_run_is_said_to_begin_with_it(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Its one train leaves at 10:00 where it stands: the run begins ten minutes before."""
+    fault = '[[fault]]\nkind = "frozen"\ntarget = "K1"\nduration_s = 1.0\nstart = '
+    head = 'extends = "rtri_test_line"\nid = "tried"\nname = "tried"\n'
+    text = f'{head}{fault}"09:49:59"\n{fault}"09:50:00"\n{fault}"09:49:59"\nafter_s = 1.0\n'
+    (tmp_path / "tried.toml").write_text(text, "utf-8")
+    said = "before the run begins, at 09:50:00, and so with it: frozen K1 (09:49:59)"
+    assert main("check", "tried.toml", "--json").figures()["early"] == said
+    assert main("check", "rtri_test_line", "--json").figures()["early"] == ""
+
+
 def test_a_drill_that_failed_says_whether_its_plan_could_work(capfd: pytest.CaptureFixture[str]) -> None:
     for name, said in (
         ("karasuyama_without_loop", "321M and 322M would meet at Ogane"),

@@ -176,3 +176,13 @@ def test_without_the_check_a_misspelt_word_counts_as_met(
     ended = main("drill", "tried.toml")
     assert ended.code == 0, ended
     assert "met      t: did not happen" in ended.out
+
+
+@pytest.mark.parametrize(
+    ("place", "takes"), [("until", "until is '12:90'; expected words"), ("start of an act", "HH:MM")]
+)
+def test_a_time_is_asked_for_where_one_may_stand(
+    main: Callable[..., Any], tmp_path: Path, place: str, takes: str
+) -> None:
+    (tmp_path / "tried.toml").write_text(HEAD + DRILL + PLACES[place].format('"12:90"'), "utf-8")
+    assert takes in main("check", "tried.toml").err

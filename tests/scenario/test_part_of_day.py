@@ -13,6 +13,7 @@ from scenario.inputs import read_inputs
 from scenario.part_of_day import beginnings, part_of_day
 from scenario.scenario import load_scenario
 from simulation.result import Ending
+from study.drilling.drill import find_drill
 from study.runner.run import CarrierKind, PartyLink, execute
 
 HOUR_S = 3600
@@ -183,6 +184,13 @@ def test_faults_have_the_whole_day(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a scenario without faults and acts"):
         part_of_day(load_scenario(str(file)), "08:00", None)
     assert part_of_day(load_scenario(str(file)), None, "08:00").setup.script.faults
+
+
+def test_people_at_line_signals_have_the_whole_day() -> None:
+    """Whoever acted before it begins would act as it begins."""
+    drill = load_scenario(find_drill("shigaraki/01_as_it_was"))
+    with pytest.raises(InputError, match="a scenario without faults and acts"):
+        part_of_day(drill, "10:25", None)
 
 
 def test_what_runs_until_then_is_what_the_whole_day_has_until_then(turn_back: str) -> None:

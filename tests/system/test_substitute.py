@@ -329,3 +329,21 @@ def test_two_are_not_let_into_one_track(
     met = [v for v in result.violations if v.checker == Checker.ONE_TRAIN_A_SECTION.value]
     assert bool(met) is not looks
     assert bool(result.unfinished) is (not looks and how == "authority")
+
+
+@pytest.mark.system
+def test_a_manager_that_fails_again_as_its_sections_are_handed_back_holds_nobody_up(tmp_path: Path) -> None:
+    """One section is ended a minute after it is back, another is not as it fails for two hours more."""
+    text = Path(find_drill("karasuyama/95_substitute_working")).read_text("utf-8").partition("[[expect]]")[0]
+    again = text[text.index("[[fault]]") :].replace('"06:44:00"', '"08:45:00"')
+    file = tmp_path / "again.toml"
+    file.write_text(text + again, "utf-8")
+    run = run_drill(str(file), PartyLink.SIMULATED)
+    ordered = [
+        entry.event.block
+        for entry in run.run.result.journal.entries
+        if isinstance(entry.event, ProcedureStep) and entry.event.step == WorkingStep.ORDER.value
+    ]
+    assert {block: ordered.count(block) for block in ordered} == {"OGN-KRS": 2, "HSK-OGN": 1, "HSK": 2}
+    assert run.passed
+    assert run.scores.late_s_max is not None and run.scores.late_s_max < 7200.0  # nobody waited for its power

@@ -9,6 +9,7 @@ from verify.evidence.inside import InsideFigures
 from verify.evidence.inside_runs import (
     LINES,
     OTHER,
+    broken_in,
     by_lack,
     explored_views,
     is_by_authority,
@@ -87,6 +88,16 @@ def test_a_defect_falls_outside(
     for name in filter(None, (off, given)):
         SWITCHES[name](monkeypatch)
     assert by_lack(_figures(calm_views, str(FOLDER / f"{scenario}.toml")))[OTHER] > 0
+
+
+def test_a_run_that_breaks_a_rule_is_not_good_whatever_lies_outside(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Persons who are wrong may break one where their drill says so and judges it: of that nothing is said here."""
+    wrong, meets = load("rtri/53b_two_wrong_persons"), load(str(FOLDER / "two_trains.toml"))
+    result = watched_run(wrong, frozenset(), InsideFigures())
+    assert result.violations and not broken_in(wrong, result)
+    assert not broken_in(meets, watched_run(meets, frozenset(), InsideFigures()))
+    SWITCHES["grants_what_another_holds"](monkeypatch)
+    assert broken_in(meets, watched_run(meets, frozenset(), InsideFigures()))
 
 
 def test_most_of_what_could_be_said_of_two_units_is_no_view(calm_views: frozenset[PairView]) -> None:

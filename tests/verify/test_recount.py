@@ -1,7 +1,8 @@
 """The checker takes a certificate that holds, and refuses one that does not."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from verify.explore import certificate_of, explored
 from verify.explored_line import BIT, Budgets, ExploredLine
 from verify.halves import Halves
 from verify.parties import ExploredParties, StepKind
-from verify.recount import ELSEWHERE, recount
+from verify.recount import ELSEWHERE, NO_ROOM, NOT_IN_TABLES, recount
 from verify.restored import restored
 from verify.search import search
 
@@ -96,6 +97,33 @@ def test_an_unsafe_state_put_in_is_refused(certificate: Certificate) -> None:
     assert "is not safe: two trains in one section" in found.refused
 
 
+@pytest.mark.parametrize(("cells", "states"), [(2, (0, 1)), (1, (2**64 - 1,))])
+def test_few_states_that_pass_for_all_others_are_refused(
+    certificate: Certificate, cells: int, states: tuple[int, ...]
+) -> None:
+    """All trains have left before any came. The start has the number of such a state, as its cells have no room in it,
+    or, where its cells are in no table, the number of what is in none.
+    """
+    parties = ExploredParties(certificate.line)
+    for kind, *of in certificate.made:
+        parties.make(StepKind(kind), *of)
+    of_cells = Halves(parties, certificate.grounds, certificate.cells).of_cells
+    gone = [
+        next(c for c, done in zip(known, of.column("finished"), strict=True) if done and not any(c[1]))
+        for known, of in zip(certificate.cells, of_cells, strict=True)
+    ]
+    parts, left = certificate.grounds[0]
+    forged = replace(
+        certificate,
+        bits=(62, 0, 0),
+        grounds=((parts, left), (parts, (7, *left[1:]))),
+        cells=tuple((last, (0, last[1], 0))[:cells] for last in gone),
+        states=b"".join(state.to_bytes(WIDTH) for state in states),
+        ranks=bytes(2 * len(states)),
+    )
+    assert recount(forged).refused in (NO_ROOM, NOT_IN_TABLES)
+
+
 def test_a_step_that_has_changed_is_refused(
     certificate: Certificate, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -135,3 +163,25 @@ def test_no_certificate_of_what_does_not_hold() -> None:
         found = explored(ExploredLine(budgets=Budgets(loss=1)))
     with pytest.raises(ValueError, match="safe and alive"):
         certificate_of(found)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--crossing", "barriers", "--restore", "sign-off-frees"),
+        ("--crossing", "barriers", "--out", "a.cert"),
+        ("--restore", "sign-off-frees", "--out", "a.cert"),
+        ("--collisions", "--out", "a.cert"),
+    ],
+)
+def test_what_would_not_be_done_is_refused(
+    main: Callable[..., Any], tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    assert main("verify", "explore", "0", *options).code == 2
+    assert not list(tmp_path.iterdir())
+
+
+def test_collisions_alone_are_not_called_safe(main: Callable[..., Any]) -> None:
+    told = main("verify", "explore", "0", "--collisions")
+    assert told.code == 0
+    assert "no other rule was looked at" in told.out

@@ -13,6 +13,7 @@ from simulation.events import JournalEntry
 from simulation.journal import Journal
 from simulation.result import RunResult
 from study.drilling.drill import drills_in, find_drill, shipped_drills
+from study.runner.outcome import broken_rules
 from study.runner.run import CarrierKind, UnitsAt
 from verify.evidence.inside import FirstSeen, InsideFigures, PairWatch
 from verify.evidence.watched import WatchedParties, result_of
@@ -93,6 +94,12 @@ def watched_run(scenario: Scenario, views: frozenset[PairView], figures: InsideF
         lambda parties: WatchedParties(parties, watch.look),
         journal,
     )
+
+
+def broken_in(scenario: Scenario, result: RunResult) -> tuple[str, ...]:
+    """Rules that a run broke, in words; none of a drill that lets persons who are wrong break some, and judges them."""
+    judged = any(expectation.rules for expectation in scenario.setup.script.expectations)
+    return () if judged else tuple(f"{scenario.id}: {text}" for _, text in broken_rules(result))
 
 
 def lacking(view: PairView) -> str:

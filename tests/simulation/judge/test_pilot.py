@@ -135,3 +135,19 @@ def test_a_unit_that_is_cut_in_again_runs_under_authority() -> None:
     scene = Scene("V1")
     scene.watch.see(CutIn(unit_id="V1"))
     assert scene.come("V1") == ()
+
+
+@pytest.mark.parametrize("left_out", [WorkingStep.CLEAR, WorkingStep.AGREE])
+@pytest.mark.parametrize("ends_with", [WorkingStep.STOP, WorkingStep.RELEASE])
+def test_nothing_that_was_done_counts_when_it_is_worked_so_again(
+    left_out: WorkingStep, ends_with: WorkingStep
+) -> None:
+    """Ended before there was a pilot, and with one, V1 having been asked for and not having come."""
+    scene = Scene("V1")
+    for step in NEEDS:
+        if step is not WorkingStep.PILOT or ends_with is WorkingStep.RELEASE:
+            scene.say(step, "" if step in TO_BEGIN else "V1")
+    scene.say(ends_with)
+    scene.say_all("V1", but=left_out)
+    (text,) = scene.come("V1")
+    assert text.endswith(f"no {left_out.value}")

@@ -19,6 +19,7 @@ from study.making.scenario import new_drill, new_scenario
 from study.making.timetable import Pattern, new_timetable
 from study.making.train import Figures, new_train
 from study.runner.run import CarrierKind, PartyLink, execute
+from vehicle.train_file import shipped_train
 
 VALLEY = Path(__file__).parents[2] / "examples" / "line" / "valley.toml"
 HOUR_S = 3600
@@ -138,6 +139,33 @@ def test_figures_of_ones_own_stand_in_their_places_and_are_named_as_given(tmp_pa
     assert float(made.row[0]["length_m"]) == 20.0
     given = [key for key, text in data["provenance"].items() if text.startswith("given")]
     assert len(given) == 6
+
+
+BODY_FIRST = ("[body]", "[body] # the body"), ("\nmass_empty_t = ", "\nmass_empty_t=")
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_a_file_of_ones_own_may_be_laid_out_otherwise(newline: str, tmp_path: Path) -> None:
+    """With a comment behind a heading, no room about the sign, `[provenance]` before the figures, other line ends."""
+    text = shipped_train("br642").read_text("utf-8")
+    for was, becomes in BODY_FIRST:
+        assert text.count(was) == 1
+        text = text.replace(was, becomes)
+    head, _, figures = text.partition("\n[body]")
+    figures, _, provenance = figures.partition("[provenance]")
+    own = tmp_path / "own.toml"
+    own.write_text(f"{head}\n[provenance]{provenance}\n[body]{figures}", "utf-8", newline=newline)
+    made = new_train(str(own), tmp_path / "mine.toml", Figures(mass_t=80.0, length_m=50.0))
+    row = made.row[0]
+    assert (row["mass_empty_kg"], row["length_m"]) == (80_000.0, 50.0)
+    assert {"body.mass_empty_t", "body.length_m"} <= {text.partition(":")[0] for text in made.sources}
+
+
+def test_a_figure_that_could_not_be_put_in_its_place_is_refused(tmp_path: Path) -> None:
+    own = tmp_path / "own.toml"
+    own.write_text(shipped_train("br642").read_text("utf-8").replace("\nlength_m", '\n"length_m"'), "utf-8")
+    with pytest.raises(InputError, match="line of its own"):
+        new_train(str(own), tmp_path / "mine.toml", Figures(length_m=50.0))
 
 
 def test_a_train_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
@@ -269,6 +297,16 @@ def test_an_interval_that_cannot_work_is_refused_with_one_that_can(tmp_path: Pat
     pattern = Pattern(60 * least_min, 6 * HOUR_S, 12 * HOUR_S)
     assert new_timetable("karasuyama", "ev_e301", pattern, tmp_path / "tt.toml", None)
     assert 'stock = "' in (tmp_path / "tt.toml").read_text("utf-8")
+
+
+def test_no_more_trains_are_tried_than_are_asked_for(tmp_path: Path) -> None:
+    """Every half an hour is too often for this line (its only loop lies 17 min from one end), but not a single time."""
+    one = Pattern(1800, 6 * HOUR_S, 6 * HOUR_S + 1200)
+    assert new_timetable("karasuyama", "br642", one, tmp_path / "one.toml", None) == 2
+    with pytest.raises(InputError):
+        new_timetable(
+            "karasuyama", "br642", Pattern(1800, 6 * HOUR_S, 9 * HOUR_S), tmp_path / "more.toml", None
+        )
 
 
 def test_times_that_make_no_day_are_refused(tmp_path: Path) -> None:

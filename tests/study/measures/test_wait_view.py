@@ -1,0 +1,47 @@
+"""What the journal says of a unit: which train it is, and whether its brake is an emergency's."""
+
+from typing import Final
+
+import pytest
+
+from onboard import notes
+from radio.noted import Noted
+from scenario.scenario import load_scenario
+from simulation.events import WORLD, JournalEntry, PowerOff, PowerOn
+from simulation.world.roster import drawn_up
+from study.measures.wait_view import DutyStage, StockView
+
+UNIT: Final = "V3"
+
+
+@pytest.fixture
+def view() -> StockView:
+    """Of a set that comes by the portal as 323M, turns, leaves as 326M, and comes again as 331M."""
+    setup = load_scenario("karasuyama_weekday").setup
+    return StockView(UNIT, drawn_up(setup, setup.line)[UNIT], 20.0)
+
+
+def took(view: StockView, t_s: float, *events: Noted) -> None:
+    for event in events:
+        world = isinstance(event, PowerOff | PowerOn)
+        view.take(JournalEntry(t_s, WORLD if world else UNIT, event))
+
+
+def test_who_has_booted_outside_comes_in_without_an_emergency(view: StockView) -> None:
+    """It is braked from its boot on, where it restarts on the line alone; there its crew releases it."""
+    begun = notes.MissionBegun(train="323M", direction="down")
+    took(view, 0.0, PowerOff(device_id=UNIT), PowerOn(device_id=UNIT), begun)
+    assert not view.emergency
+    took(view, 100.0, PowerOff(device_id=UNIT), PowerOn(device_id=UNIT), begun, notes.UnitRestarted(epoch=3))
+    assert view.emergency
+    took(view, 200.0, notes.EmergencyReleased())
+    assert not view.emergency
+
+
+def test_who_was_driven_off_the_line_by_hand_is_to_come_as_its_next_train(view: StockView) -> None:
+    """The unit that is cut out says nothing of the train as which it leaves."""
+    took(view, 0.0, notes.MissionBegun(train="323M", direction="down"), notes.MissionDone(train="323M"))
+    assert (view.doing, view.next_duty) == (DutyStage.FINISHED, view.duties[1])
+    took(view, 100.0, notes.MissionDone(train="326M"))
+    assert (view.doing, view.train) == (DutyStage.SIGNING_OFF, "326M")
+    assert view.next_duty is not None and view.next_duty.train.number == "331M"
