@@ -16,7 +16,7 @@ from simulation.judge.log import Checker
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
 from study.record.tables import RunTables
-from study.runner.outcome import left_out_by_order, missing_said, outside_said, rules_said
+from study.runner.outcome import missing_said, outside_said, rules_said
 from study.wording import outcome as words
 from study.wording.phrase import Phrase, joined_phrases
 from study.wording.script import expectation_text, matcher_text
@@ -130,8 +130,8 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
         return _judge_safety(expectation, result)
     if expectation.holds is Property.EVERYONE_ARRIVES:
         missing = missing_said(result)
-        cut = left_out_by_order(result)
-        arrived = words.OTHERS_ARRIVED.fill(trains=", ".join(cut)) if cut else words.ALL_ARRIVED
+        cut = ", ".join(result.cut)
+        arrived = words.OTHERS_ARRIVED.fill(trains=cut) if cut else words.ALL_ARRIVED
         happened = joined_phrases(missing, "; ", "；") if missing else arrived
         return ExpectationVerdict(
             expectation_text(expectation), (not missing) is not expectation.absent, happened

@@ -216,7 +216,7 @@ BEGUN_AT_B = [stop_of("T2", "C", 60.0), stop_of("T2", "B", 60.0), stop_of("T2", 
 
 def test_of_trains_cut_by_order_it_is_not_said_that_all_arrived() -> None:
     everyone = Expectation("t", holds=Property.EVERYONE_ARRIVES)
-    cut = {"stops": [*ENDED_AT_B, *BEGUN_AT_B], "trains_planned": ("T1", "T2")}
+    cut = {"stops": [*ENDED_AT_B, *BEGUN_AT_B], "trains_planned": ("T1", "T2"), "cut": ("T1",)}
     done = result_of(trains_arrived=("T2",), **cut)
     assert verdict(everyone, done) == (True, "all arrived but what was cancelled: T1")
     swept = swept_run_of(done, Script())
