@@ -251,7 +251,7 @@ def execute(
     fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
     holds = section_holds(result, setup.line, setup.lengths_m)
     duties = chain.from_iterable(drawn_up(setup, setup.line).values())
-    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties)
+    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties, setup.latest_end_s)
     stage("comparing with second opinions")
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(
