@@ -57,7 +57,7 @@ def tables_of(
         **energy_tables(result.energy, fleet),
         energy_hours=energy_hours_of(result.energy, fleet),
         margins=margins_of(legs, stops, end_s),
-        **crossing_tables(result),
+        **crossing_tables(result, line),
         events=_events(result, names_of(line)),
     )
 

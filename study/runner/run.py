@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from itertools import chain
+from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -33,6 +33,7 @@ from simulation.loop import Progress, Simulation
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.roster import drawn_up
+from study.collect.crossings import hours_run
 from study.collect.battery import battery_summary, battery_tables
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
@@ -260,7 +261,7 @@ def execute(
         comparisons=opinions,
         waits=make_table("waits", waits_of(result, setup, holds)),
         **battery_tables(result.battery, setup),
-        road=road_table(result.road),
+        road=road_table(result.road, product(setup.roads, hours_run(result))),
     )
     failures = broken_said(result, setup)
     summary = {
