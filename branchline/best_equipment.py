@@ -146,11 +146,11 @@ def _rows(
             f"{trains:g} trains an hour each way, evenly spaced, cost {best.choice.cost:g}: {_what(best.choice)};"
             f" every {best.interval_s:.0f} s"
         )
-        yield f"nothing cheaper does: each of {len(cheaper)} choices is proven to need more time, {_least(cheaper)}"
+        yield f"nothing cheaper does: each of {len(cheaper)} choices {_needs_more(cheaper)}, {_least(cheaper)}"
     elif trains is not None:
         yield (
-            f"{trains:g} trains an hour each way, evenly spaced, cannot be had: each of {len(found)} choices needs more"
-            " time, proven"
+            f"{trains:g} trains an hour each way, evenly spaced, cannot be had: each of {len(found)} choices"
+            f" {_needs_more(found)}"
         )
     yield f"{'cost':>6}  {'interval':>8}  {'an hour':>7}  with"
     for one in curve:
@@ -159,8 +159,13 @@ def _rows(
     left = [one for one in found if one.why_not]
     yield (
         f"{len(found)} of {len(choices)} choices worked out, in order of cost; what is not shown is no quicker than"
-        f" something that costs no more. {len(left)} cannot be had"
+        f" something that costs no more. {len(left)} cannot be had{f': {left[0].why_not}' if left else ''}"
     )
+
+
+def _needs_more(found: Sequence[EquippedLine]) -> str:
+    """What is known of choices that do not do."""
+    return f"is proven to need more time{', or cannot be had' if any(one.why_not for one in found) else ''}"
 
 
 def _least(cheaper: Sequence[EquippedLine]) -> str:
