@@ -13,9 +13,7 @@ from study.record.margins import HopMargin
 from study.record.tables import make_table
 
 
-def margins_of(
-    legs: Sequence[PlannedLeg], stops: pl.DataFrame, end_s: float = -math.inf
-) -> pl.DataFrame:
+def margins_of(legs: Sequence[PlannedLeg], stops: pl.DataFrame, end_s: float = -math.inf) -> pl.DataFrame:
     """The table margins from what was planned and the table of stops; the run ends at `end_s` whatever happens."""
     # Where a train is ended, what does not come has a row of its own.
     came, cut = (

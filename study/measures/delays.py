@@ -241,9 +241,7 @@ def _split(moment: _Moment, grown_s: float, since_s: float, seen: _JournalFacts)
     """Put growth down to what was drawn, to others, to what failed."""
     stop = moment.stop
     if stop.cancelled:
-        return LatenessGrowth(
-            stop.stock_id, stop.number, stop.station_id, moment.at_s, grown_s, 0.0, grown_s
-        )
+        return LatenessGrowth(stop.stock_id, stop.number, stop.station_id, moment.at_s, grown_s, 0.0, grown_s)
     from_s = max(since_s, moment.ready_s)
     waited_s = _overlap_s(seen.waits[stop.stock_id], from_s, moment.at_s)
     if moment.comes_s is not None:

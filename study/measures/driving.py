@@ -132,7 +132,9 @@ def driving_summary(table: pl.DataFrame, margins: pl.DataFrame) -> dict[str, Any
     if whole is None:
         return None
     by_law = {
-        law: driving_sums([hop for hop in hops if hop.law == law], margins_by_law(margins, table, law)["left_s"])
+        law: driving_sums(
+            [hop for hop in hops if hop.law == law], margins_by_law(margins, table, law)["left_s"]
+        )
         for law in sorted({hop.law for hop in hops})
     }
     return {**whole, "by_law": by_law}

@@ -33,8 +33,8 @@ from simulation.loop import Progress, Simulation
 from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.roster import drawn_up
-from study.collect.crossings import hours_run
 from study.collect.battery import battery_summary, battery_tables
+from study.collect.crossings import hours_run
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
 from study.collect.road import road_table

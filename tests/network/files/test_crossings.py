@@ -62,7 +62,9 @@ def test_its_road_keeps_clear_of_points_on_the_track_beside_it(tmp_path: Path) -
     text = (tmp_path / "line.toml").read_text("utf-8")
     clear, beside = (f'{text}\n[[crossings]]\nid = "X"\nsection = "B.1"\nkm = {km}\n' for km in (2.9, 2.882))
     assert parse_line(clear, "line.toml").crossings["X"].position_m == 2900.0
-    with pytest.raises(InputError, match=r"crossings\[0\]\.km is 2\.882; expected a place clear of points B\.12"):
+    with pytest.raises(
+        InputError, match=r"crossings\[0\]\.km is 2\.882; expected a place clear of points B\.12"
+    ):
         parse_line(beside, "line.toml")
 
 

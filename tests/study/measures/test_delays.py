@@ -186,7 +186,7 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
 
 
 def test_what_is_cut_grows_to_what_is_stated_once(setup: Setup) -> None:
-    """Train 1 comes to B 100 s late and ends there, 600 s late as stated; 2 begins at C by order and never leaves it."""
+    """Train 1 comes to B 100 s late and ends there, 600 s late as stated; by order 2 begins at C and stays there."""
     cut = [
         ON_TIME[0],
         stop("1", "B", (1200.0, None), (1300.0, None)),

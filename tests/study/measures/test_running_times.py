@@ -158,7 +158,11 @@ def test_what_never_ran_is_as_late_as_the_run_may_last(make_stops: MakeStops) ->
     """T1 comes to B 5 s before its time and stands there, T3 never runs: of the three hops one is better than none."""
     stops = make_stops([("T1", "A", None, 101.0), ("T1", "B", 195.0, None)])
     assert margins_of(legs(), stops, 1000.0)["left_s"].to_list() == [5.0, 520.0 - 1000.0, 500.0 - 1000.0]
-    assert margins_of(legs(), stops, 510.0)["left_s"].to_list() == [5.0, None, 500.0 - 510.0]  # C is not due yet
+    assert margins_of(legs(), stops, 510.0)["left_s"].to_list() == [
+        5.0,
+        None,
+        500.0 - 510.0,
+    ]  # C is not due yet
     cut = make_stops([("T1", "C", None, None)]).with_columns(late_arrival_s=180.0, cancelled=True)
     assert margins_of(legs(), pl.concat([stops, cut]), 510.0)["left_s"].to_list() == [5.0, -180.0, -10.0]
 
