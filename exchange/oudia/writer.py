@@ -246,6 +246,7 @@ def _train(
     words = RemarkFacts(
         frozenset(call.station_id for call in train.calls if _is_said(train, call)),
         frozenset(named if dia.first_kind == 0 else ()),  # as it was run all tracks are named
+        frozenset(call.station_id for call in train.calls if call.inferred),
         _days(train),
     )
     note = remark(words)

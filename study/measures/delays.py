@@ -6,7 +6,7 @@ the train, until it runs in the system again, or beside the track meanwhile (pri
 a plan of whole minutes. Of a set that turns back late the next train grows no later by that: it was late before. Spare
 time takes growth back, so that the sum of all is more than what trains are late in the end. A train that never comes to
 its end counts as coming when the run ends whatever happens; of that, what was not spent waiting for others is primary.
-A train that the dispatcher cuts grows, for others, to the lateness that the scenario states, from what it was late before.
+A train that the dispatcher cuts grows, for others, to the lateness that is stated, from what it was late before.
 """
 
 from __future__ import annotations
