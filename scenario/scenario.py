@@ -187,8 +187,7 @@ def _named(
     path: Path, key: str, name: str, shipped: Callable[[str], Path], layers: ScenarioLayers | None = None
 ) -> Path:
     """A file beside the one that names it, beside the scenario itself, or shipped; InputError names the key."""
-    said_in = path if layers is None else layers.said_in.get(key, path)
-    for folder in dict.fromkeys((said_in.parent, path.parent)):
+    for folder in (path.parent,) if layers is None else _folders(path, key, layers):
         if name.endswith(".toml") and existing_file(folder / name):
             return folder / name
     try:
@@ -199,8 +198,7 @@ def _named(
 
 def _folders(path: Path, key: str, layers: ScenarioLayers) -> tuple[Path, ...]:
     """Where a file that is named under a key may lie: beside the scenario that names it, or beside this one."""
-    said_in = layers.said_in.get(key, path)
-    return tuple(dict.fromkeys((said_in.parent, path.parent)))
+    return tuple(dict.fromkeys((layers.file_of(key, path).parent, path.parent)))
 
 
 def _trains(

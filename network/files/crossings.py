@@ -46,10 +46,15 @@ def crossings_of(
     before it.
     """
     kinds = {section.id: section.kind for section in entry.sections}
-    return {
-        table.id: _crossing(file, f"crossings[{i}]", table, piece, kinds[piece.section_id], entry)
-        for i, (table, piece) in enumerate(laid)
-    }
+    found: dict[str, LevelCrossing] = {}
+    for i, (table, piece) in enumerate(laid):
+        here = _crossing(file, f"crossings[{i}]", table, piece, kinds[piece.section_id], entry)
+        for other in found.values():
+            apart_m = (here.width_m + other.width_m) / 2.0
+            if other.piece_id == piece.id and abs(here.position_m - other.position_m) < apart_m:
+                raise InputError(file, f"crossings[{i}].km", table.km, f"a road clear of crossing {other.id}")
+        found[here.id] = here
+    return found
 
 
 def _crossing(

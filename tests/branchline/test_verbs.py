@@ -108,6 +108,12 @@ def test_a_wrong_key_of_the_file_is_not_put_down_to_a_keyword(tmp_path: Path) ->
     file.write_text('extends = "karasuyama_weekday"\nair.delay_mean_s = -1.0\n', "utf-8")
     with pytest.raises(branchline.InputError, match=r"wrong\.toml: air\.delay_mean_s is -1\.0"):
         branchline.load(file, air={"loss_good_p": 0.0})
+    (tmp_path / "top.toml").write_text('extends = "wrong.toml"\nair.loss_good_p = 0.1\n', "utf-8")
+    with pytest.raises(branchline.InputError, match=r"wrong\.toml: air\.delay_mean_s is -1\.0"):
+        branchline.load(tmp_path / "top.toml")
+    (tmp_path / "top.toml").write_text('extends = "wrong.toml"\nair.delay_mean_s = -2.0\n', "utf-8")
+    with pytest.raises(branchline.InputError, match=r"top\.toml: air\.delay_mean_s is -2\.0"):
+        branchline.load(tmp_path / "top.toml")
 
 
 def test_a_run_is_the_run_of_the_command(

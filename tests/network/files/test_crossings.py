@@ -68,6 +68,17 @@ def test_its_road_keeps_clear_of_points_on_the_track_beside_it(tmp_path: Path) -
         parse_line(beside, "line.toml")
 
 
+def test_no_two_roads_lie_at_one_place() -> None:
+    """Roads of 6 and 8 m: 7 m from middle to middle they meet."""
+    one = f'{TEST_LINE}\n[[crossings]]\nid = "C"\nsection = "6"\nkm = 0.7\n'
+    other = '[[crossings]]\nid = "D"\nsection = "6"\nwidth_m = 8.0\nkm = '
+    assert len(parse_line(f"{one}{other}0.707\n", "line.toml").crossings) == 2
+    with pytest.raises(
+        InputError, match=r"crossings\[1\]\.km is 0\.706; expected a road clear of crossing C"
+    ):
+        parse_line(f"{one}{other}0.706\n", "line.toml")
+
+
 def test_it_goes_with_its_block() -> None:
     """Three blocks of 350 m / 3: 0.7 km lies in the second, which begins at 0.6467 km."""
     text = f'{TEST_LINE}\n[[crossings]]\nid = "C"\nsection = "6"\nkm = 0.7\n'
