@@ -12,6 +12,7 @@ from branchline.best_interval import ScenarioOut, new_day, write_answer
 from branchline.ending import end_with
 from branchline.extras import needing_extra
 from branchline.options import Json, ScenarioName
+from branchline.progress import print_aside
 
 if TYPE_CHECKING:
     from plan.equipping.cheapest import EquipmentChoice, EquippedLine
@@ -93,6 +94,10 @@ def equipment(
     reached = found[-1].interval_s <= until_s
     if proof is not None and reached:
         write_aside(proof, proof_text(proof_of(found, int(until_s))))
+    elif proof is not None:
+        print_aside(
+            "no proof is written: there is none of a cost that was not asked for (--trains), or not found"
+        )
     curve = curve_of(found)
     best = curve[-1] if curve else None
     if out is not None and best is not None and best.setup is not None and best.found is not None:
@@ -146,7 +151,8 @@ def _rows(
             f"{trains:g} trains an hour each way, evenly spaced, cost {best.choice.cost:g}: {_what(best.choice)};"
             f" every {best.interval_s:.0f} s"
         )
-        yield f"nothing cheaper does: each of {len(cheaper)} choices {_needs_more(cheaper)}, {_least(cheaper)}"
+        if cheaper:
+            yield f"nothing cheaper does: each of {len(cheaper)} choices {_needs_more(cheaper)}{_least(cheaper)}"
     elif trains is not None:
         yield (
             f"{trains:g} trains an hour each way, evenly spaced, cannot be had: each of {len(found)} choices"
@@ -169,12 +175,10 @@ def _needs_more(found: Sequence[EquippedLine]) -> str:
 
 
 def _least(cheaper: Sequence[EquippedLine]) -> str:
-    best = min(cheaper, key=lambda one: one.interval_s, default=None)
-    return (
-        ""
-        if best is None
-        else f"{best.interval_s:.0f} s at least ({_what(best.choice)}, {best.choice.cost:g})"
-    )
+    best = min(cheaper, key=lambda one: one.interval_s)
+    if best.found is None or best.found.interval_s is None:
+        return ""
+    return f", {best.interval_s:.0f} s at least ({_what(best.choice)}, {best.choice.cost:g})"
 
 
 def _decides(one: EquippedLine) -> str:

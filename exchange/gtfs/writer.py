@@ -80,7 +80,7 @@ def write_gtfs(out: Path, line: Line, timetable: Timetable, facts: FeedFacts | N
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, text.getvalue().encode())
-    write_bytes_aside(out, data.getvalue())
+    write_bytes_aside(out, data.getvalue(), b"PK")
     return {name: len(rows) - 1 for name, rows in tables.items()}
 
 

@@ -74,7 +74,8 @@ class _Dia:
 
 def write_oudia(path: Path, line: Line, timetable: Timetable, as_run: Sequence[TimetableTrain] = ()) -> None:
     """Write a file whole or not at all. Raises InputError where it cannot be written."""
-    write_bytes_aside(path, oudia_of(line, timetable, as_run).encoded())
+    data = oudia_of(line, timetable, as_run).encoded()
+    write_bytes_aside(path, data, data.partition(b"=")[0])
 
 
 def oudia_of(line: Line, timetable: Timetable, as_run: Sequence[TimetableTrain] = ()) -> OudiaText:

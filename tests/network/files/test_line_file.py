@@ -9,7 +9,6 @@ from network.timetable import parse_timetable
 from network.train_fit import usable_length_m, validate_train_fits
 from tests.network.sample import SAMPLE, changed
 
-
 HALT = """[[stations]]
 id = "G"
 name = "Another halt"
