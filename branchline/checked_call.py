@@ -58,4 +58,7 @@ def _is_of(value: object, hint: Any) -> bool:  # noqa: ANN401
 
 
 def _name(hint: Any) -> str:  # noqa: ANN401
-    return one_of(get_args(hint)) if get_origin(hint) is Literal else _NAMES.get(hint, hint.__name__)
+    if get_origin(hint) is Literal:
+        return one_of(get_args(hint))
+    name: str = hint.__name__
+    return _NAMES.get(hint, name)

@@ -255,11 +255,10 @@ def call_of(file: str, key: str, entry: CallTable, after_s: int | None) -> Call:
     for name, text in (("arrival", entry.arrival), ("departure", entry.departure), ("pass", entry.passes)):
         if text is not None:
             times_s[name] = after_s = seconds_of(file, f"{key}.{name}", text, after_s)
+    kind = CallKind.OPERATIONAL if entry.operational else CallKind.STOP
     if "pass" in times_s:
-        kind, arrival_s, departure_s = CallKind.PASS, None, times_s["pass"]
-    else:
-        kind = CallKind.OPERATIONAL if entry.operational else CallKind.STOP
-        arrival_s, departure_s = times_s.get("arrival"), times_s.get("departure")
+        kind, times_s = CallKind.PASS, {"departure": times_s["pass"]}
+    arrival_s, departure_s = times_s.get("arrival"), times_s.get("departure")
     return Call(entry.station, entry.track, arrival_s, departure_s, kind, entry.inferred)
 
 

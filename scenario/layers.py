@@ -61,11 +61,11 @@ class ScenarioLayers:
                     raise InputError(
                         file, asked + error.key[len(key) :], error.value, error.expected
                     ) from error
-            file = self.file_of(error.key, path)
-            raise InputError(str(file), error.key, error.value, error.expected) from error
+            own = self.file_of(error.key, path)
+            raise InputError(str(own), error.key, error.value, error.expected) from error
 
     def file_of(self, key: str, path: Path) -> Path:
-        """The file that has a value, or all that lies below a key path; `path` where none has, or several have parts."""
+        """The file that has a value, or all that lies below a key path; `path` where none has, or several have some."""
         files = {file for own, file in self.said_in.items() if _within(key, own)} or {
             file for own, file in self.said_in.items() if _within(own, key)
         }

@@ -15,7 +15,7 @@ name = "Another halt"
 km = 1.2
 halt = true
 tracks = [
-  { name = "1", section = "A-B", platform_from_km = 1.56, platform_to_km = 1.64, mark_down_km = 1.63, mark_up_km = 1.57 },
+  { name = "1", section = "A-B", platform_from_km = 1.5, platform_to_km = 1.7, mark_down_km = 1.63, mark_up_km = 1.57 },
 ]
 """
 
