@@ -61,15 +61,18 @@ class ScenarioLayers:
                     raise InputError(
                         file, asked + error.key[len(key) :], error.value, error.expected
                     ) from error
-            own = self.file_of(error.key, path)
-            raise InputError(str(own), error.key, error.value, error.expected) from error
+            own = self.files_of(error.key)
+            raise InputError(
+                str(own[0] if len(own) == 1 else path), error.key, error.value, error.expected
+            ) from error
 
-    def file_of(self, key: str, path: Path) -> Path:
-        """The file that has a value, or all that lies below a key path; `path` where none has, or several have some."""
-        files = {file for own, file in self.said_in.items() if _within(key, own)} or {
-            file for own, file in self.said_in.items() if _within(own, key)
-        }
-        return files.pop() if len(files) == 1 else path
+    def files_of(self, key: str) -> tuple[Path, ...]:
+        """The file that has the value of a key path, or those that have what lies below it; none of a default."""
+        said = self.said_in.items()
+        found = [file for own, file in said if _within(key, own)] or [
+            f for own, f in said if _within(own, key)
+        ]
+        return tuple(dict.fromkeys(found))
 
 
 def _within(key: str, of: str) -> bool:
