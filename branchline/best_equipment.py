@@ -12,6 +12,7 @@ from branchline.best_interval import ScenarioOut, new_day, write_answer
 from branchline.ending import end_with
 from branchline.extras import needing_extra
 from branchline.options import Json, ScenarioName
+from branchline.progress import print_aside
 
 if TYPE_CHECKING:
     from plan.equipping.cheapest import EquipmentChoice, EquippedLine
@@ -93,6 +94,10 @@ def equipment(
     reached = found[-1].interval_s <= until_s
     if proof is not None and reached:
         write_aside(proof, proof_text(proof_of(found, int(until_s))))
+    elif proof is not None:
+        print_aside(
+            "no proof is written: there is none of a cost that was not asked for (--trains), or not found"
+        )
     curve = curve_of(found)
     best = curve[-1] if curve else None
     if out is not None and best is not None and best.setup is not None and best.found is not None:
@@ -146,11 +151,12 @@ def _rows(
             f"{trains:g} trains an hour each way, evenly spaced, cost {best.choice.cost:g}: {_what(best.choice)};"
             f" every {best.interval_s:.0f} s"
         )
-        yield f"nothing cheaper does: each of {len(cheaper)} choices is proven to need more time, {_least(cheaper)}"
+        if cheaper:
+            yield f"nothing cheaper does: each of {len(cheaper)} choices {_needs_more(cheaper)}{_least(cheaper)}"
     elif trains is not None:
         yield (
-            f"{trains:g} trains an hour each way, evenly spaced, cannot be had: each of {len(found)} choices needs more"
-            " time, proven"
+            f"{trains:g} trains an hour each way, evenly spaced, cannot be had: each of {len(found)} choices"
+            f" {_needs_more(found)}"
         )
     yield f"{'cost':>6}  {'interval':>8}  {'an hour':>7}  with"
     for one in curve:
@@ -159,17 +165,20 @@ def _rows(
     left = [one for one in found if one.why_not]
     yield (
         f"{len(found)} of {len(choices)} choices worked out, in order of cost; what is not shown is no quicker than"
-        f" something that costs no more. {len(left)} cannot be had"
+        f" something that costs no more. {len(left)} cannot be had{f': {left[0].why_not}' if left else ''}"
     )
+
+
+def _needs_more(found: Sequence[EquippedLine]) -> str:
+    """What is known of choices that do not do."""
+    return f"is proven to need more time{', or cannot be had' if any(one.why_not for one in found) else ''}"
 
 
 def _least(cheaper: Sequence[EquippedLine]) -> str:
-    best = min(cheaper, key=lambda one: one.interval_s, default=None)
-    return (
-        ""
-        if best is None
-        else f"{best.interval_s:.0f} s at least ({_what(best.choice)}, {best.choice.cost:g})"
-    )
+    best = min(cheaper, key=lambda one: one.interval_s)
+    if best.found is None or best.found.interval_s is None:
+        return ""
+    return f", {best.interval_s:.0f} s at least ({_what(best.choice)}, {best.choice.cost:g})"
 
 
 def _decides(one: EquippedLine) -> str:

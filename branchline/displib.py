@@ -26,13 +26,13 @@ def export_displib(
     """
     import msgspec
 
-    from network.files.json_input import write_aside
+    from network.files.json_input import write_bytes_aside
     from plan.dispatching.day import day_of
     from scenario.scenario import load_scenario
     from study.outcome import Outcome
 
     instance = day_of(load_scenario(scenario, seed).setup).instance
-    write_aside(out, msgspec.json.encode(instance).decode())
+    write_bytes_aside(out, msgspec.json.encode(instance), b"{")
     operations = sum(map(len, instance.trains))
     if as_json:
         figures = {"file": str(out), "trains": len(instance.trains), "operations": operations}

@@ -84,7 +84,7 @@ def run_command(command: Callable[[], Outcome]) -> Outcome:
         outcome = command()
         sys.stdout.flush()
     except typer.TyperException as error:
-        told = " ".join(error.format_message().split())[:USAGE_COLUMNS].rstrip(".")
+        told = " ".join(error.format_message().split())[:USAGE_COLUMNS].rstrip(".") or "a command is missing"
         return _tell(Outcome.BAD_INPUT, f"command line: {told}; see branchline --help")
     except (Exception, StoppedError) as error:
         if (stopped := _stopped(error)) is not None:

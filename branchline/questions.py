@@ -174,7 +174,9 @@ def _periods(legs: Sequence[SetLeg], between_s: tuple[float | None, float | None
     begin_s, end_s = day.from_s if from_s is None else from_s, day.to_s if to_s is None else to_s
     chosen = Period("chosen", begin_s, end_s, peak=False)
     if end_s <= begin_s or not chosen.legs(legs):
-        raise InputError(COMMAND_LINE, "--from", begin_s, "a time from which trains run")
+        run = f"a time with trains after it, {clock(day.from_s)} to {clock(day.to_s)} being their day"
+        option, time_s = ("--to", end_s) if from_s is None else ("--from", begin_s)
+        raise InputError(COMMAND_LINE, option, clock(time_s), run)
     return (chosen,)
 
 

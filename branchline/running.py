@@ -140,7 +140,10 @@ def _margin(margins: dict[str, Any] | None) -> str:
     if least is None:
         return "-"
     text = f"planned {least['margin_s']:.0f} s {_hop(least)}"
-    return text if left is None else f"{text}; least left as run {left['left_s']:.0f} s {_hop(left)}"
+    if left is None:
+        return text
+    came = "" if left["run_s"] is not None else ", where it did not run"
+    return f"{text}; least left as run {left['left_s']:.0f} s {_hop(left)}{came}"
 
 
 def _hop(row: dict[str, Any]) -> str:

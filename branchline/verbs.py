@@ -8,6 +8,7 @@ from typing import Any
 
 import polars as pl
 
+from branchline.checked_call import checked_call
 from branchline.comparing import check_over
 from branchline.questions import ALL_CUTS, CapacityAsked, LineCapacity, LineHeadways, capacity_of, headways_of
 from branchline.sources import loaded_source
@@ -96,6 +97,7 @@ class OpenedRun:
         """Whether nothing was broken and everybody arrived."""
         return not self.summary["broken"]
 
+    @checked_call
     def picture(
         self,
         kind: str,
@@ -145,6 +147,7 @@ class RunsCompared:
             [{"run": pair.new, **row.as_dict()} for pair in self.found.pairs for row in pair.times.moved]
         )
 
+    @checked_call
     def picture(self, number: int = 1) -> DrawnFigure:
         """The train graphs of the first run and another on one sheet. InputError for a number of no other run."""
         if not 1 <= number <= len(self.found.pairs):
@@ -181,6 +184,7 @@ class SweptDays:
         return pl.read_csv(self.report.with_name(POINTS_FILE), infer_schema_length=None)
 
 
+@checked_call
 def load(name: str | Path, *, seed: int | None = None, **tables: object) -> Scenario:
     """A scenario by name or file, changed by the tables of scenario files as keywords: docs/files/scenario.md.
 
@@ -190,12 +194,14 @@ def load(name: str | Path, *, seed: int | None = None, **tables: object) -> Scen
     return load_scenario(str(name), seed, tables)
 
 
+@checked_call
 def check(scenario: str | Path | Scenario) -> CheckedPlan:
     """Look at a plan without running it: where trains meet, what is impossible, late or tight."""
     loaded = _scenario(scenario)
     return CheckedPlan(loaded, feasibility(loaded.setup))
 
 
+@checked_call
 def run(
     scenario: str | Path | Scenario,
     out: str | Path | None = None,
@@ -217,11 +223,13 @@ def run(
     return open(directory)
 
 
+@checked_call
 def open(directory: str | Path) -> OpenedRun:  # noqa: A001 - branchline.open, as the open of other libraries
     """A finished run. InputError for a directory of anything else."""
     return OpenedRun(read_run(Path(directory)))
 
 
+@checked_call
 def compare(
     base: str | Path | OpenedRun,
     other: str | Path | OpenedRun,
@@ -235,6 +243,7 @@ def compare(
     return RunsCompared(compared(read_sides(directories), over_s))
 
 
+@checked_call
 def sweep(
     file: str | Path,
     out: str | Path | None = None,
@@ -251,6 +260,7 @@ def sweep(
     return SweptDays(*run_sweep(plan, directory.resolve(), how, progress=progress))
 
 
+@checked_call
 def headway(
     source: str | Path | Scenario | OpenedRun, station: str | None = None, *, theory: bool = False
 ) -> LineHeadways:
@@ -261,6 +271,7 @@ def headway(
     return headways_of(_source(source), station, theory=theory)
 
 
+@checked_call
 def capacity(
     source: str | Path | Scenario | OpenedRun,
     *,
@@ -277,6 +288,7 @@ def capacity(
     return capacity_of(_source(source), CapacityAsked(cut, between_s, theory=theory))
 
 
+@checked_call
 def reproduce(
     name: str, out: str | Path | None = None, *, seed: int = 1, quick: bool = False
 ) -> Reproduction:
@@ -284,6 +296,7 @@ def reproduce(
     return reproduction(name)(Options(seed=seed, out=None if out is None else str(out), quick=quick))
 
 
+@checked_call
 def line(name: str | Path, **patch: object) -> Line:
     """A line by name or file, changed by the words of a `[patch.line]` as keywords: docs/files/line.md."""
     return load_patched_line(shipped_line(str(name)), patch, str(KEYWORDS))

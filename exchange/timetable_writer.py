@@ -49,7 +49,7 @@ def file_of_trains(
     for train in trains:
         number, tracks = train.number, workings.tracks
         calls = [
-            call_table(replace(call, track=tracks.get((number, i), call.track)), inferred=i in train.inferred)
+            call_table(replace(call, track=tracks.get((number, i), call.track), inferred=i in train.inferred))
             for i, call in enumerate(train.calls)
         ]
         ways = workings.begins[number], workings.ends[number]
@@ -80,15 +80,15 @@ def train_table(
     return TrainTable(number=number, direction=named, revenue=revenue, begins=begins, ends=ends, calls=calls)
 
 
-def call_table(call: Call, *, inferred: bool = False) -> CallTable:
-    """A table of `trains.calls`; `inferred`: one of its times is not the source's."""
+def call_table(call: Call) -> CallTable:
+    """A table of `trains.calls`."""
     times = {
         "arrival": None if call.arrival_s is None else time_text(call.arrival_s),
         "departure": None if call.departure_s is None else time_text(call.departure_s),
     }
     if call.kind is CallKind.PASS:
         times = {"pass": times["departure"]}
-    marks = {"operational": call.kind is CallKind.OPERATIONAL, "inferred": inferred}
+    marks = {"operational": call.kind is CallKind.OPERATIONAL, "inferred": call.inferred}
     return CallTable.model_validate({"station": call.station_id, "track": call.track, **times, **marks})
 
 

@@ -45,7 +45,8 @@ class Call:
 
     In `exchange`, before a source is joined to a line, station and track are named as the source names them. Only the
     last call may lack a departure; an arrival may be left out everywhere but there. Where a train passes,
-    `departure_s` is when, and there is no arrival; the first and the last call are stops.
+    `departure_s` is when, and there is no arrival; the first and the last call are stops. `inferred`: one of its times
+    is not the source's but computed.
     """
 
     station_id: str
@@ -53,6 +54,7 @@ class Call:
     arrival_s: int | None
     departure_s: int | None
     kind: CallKind = CallKind.STOP
+    inferred: bool = False
 
     @property
     def stops(self) -> bool:
@@ -253,10 +255,11 @@ def call_of(file: str, key: str, entry: CallTable, after_s: int | None) -> Call:
     for name, text in (("arrival", entry.arrival), ("departure", entry.departure), ("pass", entry.passes)):
         if text is not None:
             times_s[name] = after_s = seconds_of(file, f"{key}.{name}", text, after_s)
-    if "pass" in times_s:
-        return Call(entry.station, entry.track, None, times_s["pass"], CallKind.PASS)
     kind = CallKind.OPERATIONAL if entry.operational else CallKind.STOP
-    return Call(entry.station, entry.track, times_s.get("arrival"), times_s.get("departure"), kind)
+    if "pass" in times_s:
+        kind, times_s = CallKind.PASS, {"departure": times_s["pass"]}
+    arrival_s, departure_s = times_s.get("arrival"), times_s.get("departure")
+    return Call(entry.station, entry.track, arrival_s, departure_s, kind, entry.inferred)
 
 
 def _check_times(file: str, key: str, entry: CallTable, after_s: int | None, *, last: bool) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 from network.errors import InputError
 from network.model import Line
 from plan.least_interval import AS_UNITS_ASK, LeastInterval, least_interval
+from plan.moving.refutation import TooManyCasesError
 from simulation.setup import Setup
 from study.capacity.rules import Rules
 
@@ -57,5 +58,7 @@ def _choice(with_loops: Callable[[Sequence[str]], Setup], loops: tuple[str, ...]
     try:
         setup = with_loops(loops)
         return LoopChoice(loops, setup, least_interval(setup, rules))
+    except TooManyCasesError:
+        raise
     except InputError as error:
         return LoopChoice(loops, None, None, str(error))

@@ -32,7 +32,7 @@ _NO_CHANGE: Final = frozenset({"id", "name", "assumed", "fault", "act", "expect"
 class ScenarioLayers:
     """A scenario with all that it extends: its tables, and patches of other files in order.
 
-    `said_in`: by key path, the file that names another one, which may lie beside it.
+    `said_in`: by key path, the file that has the value; what it names may lie beside it.
     """
 
     data: Data
@@ -49,17 +49,35 @@ class ScenarioLayers:
 
     @contextmanager
     def naming_the_patch(self, path: Path) -> Generator[None]:
-        """An error in a key of the scenario names the patch or keyword that has written it."""
+        """An error in a key of the scenario names the patch, keyword or file that has written it."""
         try:
             yield
         except InputError as error:
+            if error.file != str(path):
+                raise
             for key, (file, asked) in self.written.items():
                 of_key = error.key.startswith((f"{key}.", f"{key}[")) or f"{key}.".startswith(f"{error.key}.")
-                if error.file == str(path) and of_key:
+                if of_key:
                     raise InputError(
                         file, asked + error.key[len(key) :], error.value, error.expected
                     ) from error
-            raise
+            own = self.files_of(error.key)
+            raise InputError(
+                str(own[0] if len(own) == 1 else path), error.key, error.value, error.expected
+            ) from error
+
+    def files_of(self, key: str) -> tuple[Path, ...]:
+        """The file that has the value of a key path, or those that have what lies below it; none of a default."""
+        said = self.said_in.items()
+        found = [file for own, file in said if _within(key, own)] or [
+            f for own, f in said if _within(own, key)
+        ]
+        return tuple(dict.fromkeys(found))
+
+
+def _within(key: str, of: str) -> bool:
+    """Whether a key path is another one, or lies below it."""
+    return f"{key}.".startswith((f"{of}.", f"{of}["))
 
 
 def layers_of(
@@ -83,9 +101,9 @@ def layers_of(
     data: Data = {}
     said_in: dict[str, Path] = {}
     for file, table in layers:
-        said_in |= dict.fromkeys(_names_of_files(table), file)
         patch = _patch_of(file, table.pop("patch", {}))
         data = merged_tables(data, table)
+        said_in |= dict.fromkeys(_paths(table), file)
         if file is KEYWORDS:
             written |= {key: (str(KEYWORDS), key) for key in _paths(table)}
         for name, words in patch.items():
@@ -103,20 +121,6 @@ def layers_of(
     before, after = _whole(below), _whole(data)
     changes = tuple(differences(low.name, before, after))
     return ScenarioLayers(data, changes, files, trains, written, said_in)
-
-
-def _names_of_files(table: Data) -> Iterator[str]:
-    """Key paths at which a scenario file names others."""
-    yield from (key for key in ("line", "timetable") if key in table)
-    trains = table.get("trains")
-    if is_table(trains):
-        yield from ("trains.default" for key in trains if key == "default")
-        stock = trains.get("stock")
-        yield from (f"trains.stock.{name}" for name in (stock if is_table(stock) else ()))
-    for key, named in (("curvature", "map"), ("tuning", "learned"), ("belief", "trains")):
-        own = table.get(key)
-        if is_table(own) and named in own:
-            yield key
 
 
 def _paths(table: Mapping[str, Any], above: str = "") -> Iterator[str]:

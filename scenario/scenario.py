@@ -133,7 +133,7 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
     check_sensors(str(path), tables.sensors, sorted(trains))
     check_window(str(path), tables.sensors, tables.curvature)
     check_grip(str(path), tables.driving, trains, line.max_speed_mps)
-    folders = _folders(path, "belief", layers)
+    folders = _folders(path, "belief.trains", layers)
     belief = belief_of(folders, path, model.belief, line_file, layers.files.get("line", ()), line, trains)
     believed = line if belief is None else belief.line
     setup = Setup(
@@ -144,8 +144,8 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
         seed=model.seed if seed is None else seed,
         laws=laws_of(str(path), tables.driving, sorted(trains)),
         belief=belief,
-        curvature_map=curvature_map_of(_folders(path, "curvature", layers), tables.curvature, believed),
-        learned=learned_of(_folders(path, "tuning", layers), tables.tuning, trains),
+        curvature_map=curvature_map_of(_folders(path, "curvature.map", layers), tables.curvature, believed),
+        learned=learned_of(_folders(path, "tuning.learned", layers), tables.tuning, trains),
         load=model.trains,
         roads=roads_of(line_data, str(line_file)),
         **run_tables(tables, timetable),
@@ -187,8 +187,7 @@ def _named(
     path: Path, key: str, name: str, shipped: Callable[[str], Path], layers: ScenarioLayers | None = None
 ) -> Path:
     """A file beside the one that names it, beside the scenario itself, or shipped; InputError names the key."""
-    said_in = path if layers is None else layers.said_in.get(key, path)
-    for folder in dict.fromkeys((said_in.parent, path.parent)):
+    for folder in (path.parent,) if layers is None else _folders(path, key, layers):
         if name.endswith(".toml") and existing_file(folder / name):
             return folder / name
     try:
@@ -199,8 +198,7 @@ def _named(
 
 def _folders(path: Path, key: str, layers: ScenarioLayers) -> tuple[Path, ...]:
     """Where a file that is named under a key may lie: beside the scenario that names it, or beside this one."""
-    said_in = layers.said_in.get(key, path)
-    return tuple(dict.fromkeys((said_in.parent, path.parent)))
+    return tuple(dict.fromkeys(file.parent for file in (*layers.files_of(key), path)))
 
 
 def _trains(

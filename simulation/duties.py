@@ -83,6 +83,7 @@ class Duties:
         self._next = dict.fromkeys(world.trains.stock_ids, 0)
         self._stage = [StockStage.OUTSIDE] * len(world.trains.stock_ids)
         self._becoming: list[Duty] = []
+        self.cut: list[str] = []  # trains that orders have left out or ended early
         self._begun_again = set[int]()  # slots whose unit has not finished its last train again since a boot
         self._outside: dict[str, list[int]] = {}  # who stands behind another before a portal, in order
         sections = world.setup.line.sections.values()
@@ -370,6 +371,7 @@ class Duties:
         stated_s, late_s = self._setup.dispatch.stated_late_s, step / STEPS_PER_S - old.train.calls[at].last_s
         self._books.ends_here(slot)
         self._books.cancel(slot, old.train, range(at, len(old.train.calls)), max(stated_s, late_s))
+        self.cut += [duty.train.number for duty in (old, *between)]
         for duty in between:
             self._books.cancel(slot, duty.train, range(len(duty.train.calls)), stated_s)
         missed = len(planned.train.calls) - len(begun.train.calls)

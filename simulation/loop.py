@@ -447,7 +447,7 @@ class Simulation:
             self._charging.close(self._step)
         arrived = self._books.arrived
         planned, empty = numbers_due(self.setup.timetable, self.now_s if because.of_part else math.inf)
-        cut = {stop.number for stop in self._books.stops if stop.cancelled}
+        cut = self._duties.cut
         judged = () if because.of_part else tuple(n for n in (*planned, *empty) if n not in cut)
         self.checkers.finish(self.now_s, {number: number in arrived for number in judged})
         trace = self._stretches.trace()
@@ -476,6 +476,7 @@ class Simulation:
             spans=self._books.spans,
             journal=self.journal,
             ended_because=because,
+            cut=tuple(cut),
             unfinished=self._duties.unfinished(),
             courses=self.injector.courses,
             uncommissioned=tuple(sorted((*units, *self.wayside.uncommissioned))),

@@ -201,6 +201,8 @@ class RunResult:
     spans: list[TraceSpan]
     journal: Journal
     ended_because: Ending
+    # Trains that the dispatcher left out or ended early; one that he lets begin later is to arrive.
+    cut: tuple[str, ...] = ()
     unfinished: tuple[str, ...] = ()  # stocks that neither left the line nor stand where their last duty ends
     outside_design: tuple[Violation, ...] = ()  # what followed from less adhesion than the design counts on
     slippery: tuple[LowAdhesion, ...] = ()  # when there was less

@@ -136,6 +136,8 @@ class _Traction(Record):
     def _lists_agree(self) -> _Traction:
         if self.notch_speed_cap_mps and len(self.notch_speed_cap_mps) != len(self.notch_share):
             raise ValueError("as many notch speed caps as notch shares (0: no cap)")
+        if any(b < a for a, b in pairwise(self.notch_share)):
+            raise ValueError("notch shares that do not fall from notch to notch")
         speeds = self.curve_speed_mps
         if len(speeds) != len(self.curve_force_n) or len(speeds) == 1:
             raise ValueError("curve speeds and curve forces of equal length, at least two")

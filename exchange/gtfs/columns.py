@@ -17,3 +17,4 @@ ENDS: Final = "branchline_ends"  # of trips, as timetable files write it
 TIMETABLE: Final = "branchline_timetable"  # of feed_info: head and diagrams of the timetable file, JSON
 
 NO_PASSENGERS: Final = "1"  # of pickup_type and drop_off_type: none get on (off)
+INFERRED: Final = "0"  # of timepoint: times are approximate

@@ -18,6 +18,7 @@ from exchange.gtfs.columns import (
     BEGINS,
     CALL,
     ENDS,
+    INFERRED,
     NO_PASSENGERS,
     REVENUE,
     TIMES,
@@ -101,7 +102,7 @@ class _GtfsTrip:
 
 @dataclass(frozen=True, slots=True)
 class _Call:
-    """A row of stop_times; `no_passengers` where nobody may get on or off."""
+    """A row of stop_times; `no_passengers` where nobody may get on or off; what follows is in our own feeds alone."""
 
     stop: str
     arrival_s: int | None
@@ -110,6 +111,7 @@ class _Call:
     kind: str
     given: str
     track: str | None
+    inferred: bool
 
 
 @dataclass(slots=True)
@@ -206,8 +208,11 @@ def _read_calls(
     own = TRACK in feed.columns("stop_times.txt")
     called: set[str] = set()
     calls = 0
-    for row in feed.rows("stop_times.txt", needed, ("pickup_type", "drop_off_type", CALL, TIMES, TRACK)):
-        trip_id, stop, sequence, arrival, departure, pickup, drop_off, kind, given, track = row.texts
+    more = ("pickup_type", "drop_off_type", "timepoint", CALL, TIMES, TRACK)
+    for row in feed.rows("stop_times.txt", needed, more):
+        trip_id, stop, sequence, arrival, departure, pickup, drop_off, timepoint, kind, given, track = (
+            row.texts
+        )
         key = f"line {row.line}"
         if trip_id not in trips:
             raise InputError(file, f"{key}.trip_id", trip_id, "a trip of trips.txt")
@@ -228,6 +233,7 @@ def _read_calls(
             kind,
             given,
             track if own else None,
+            own and timepoint == INFERRED,
         )
         trip.calls.append((int(sequence), call))
         called.add(stop)
@@ -393,7 +399,7 @@ def _call(call: _Call, index: int, count: int, stops: Mapping[str, GtfsStop], *,
         departure_s = None
     stop = stops[call.stop]
     track = stop.track if call.track is None else call.track
-    return Call(stop.station, track or None, arrival_s, departure_s, kind)
+    return Call(stop.station, track or None, arrival_s, departure_s, kind, call.inferred)
 
 
 def _name(routes: Mapping[str, tuple[int, str, str]], used: set[str]) -> str:

@@ -19,7 +19,17 @@ from typing import Final
 
 import numpy as np
 
-from exchange.gtfs.columns import BEGINS, CALL, ENDS, NO_PASSENGERS, REVENUE, TIMES, TIMETABLE, TRACK
+from exchange.gtfs.columns import (
+    BEGINS,
+    CALL,
+    ENDS,
+    INFERRED,
+    NO_PASSENGERS,
+    REVENUE,
+    TIMES,
+    TIMETABLE,
+    TRACK,
+)
 from exchange.gtfs.days import WEEKDAYS
 from exchange.gtfs.exact import head_written
 from exchange.timetable_writer import file_of_timetable
@@ -70,7 +80,7 @@ def write_gtfs(out: Path, line: Line, timetable: Timetable, facts: FeedFacts | N
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, text.getvalue().encode())
-    write_bytes_aside(out, data.getvalue())
+    write_bytes_aside(out, data.getvalue(), b"PK")
     return {name: len(rows) - 1 for name, rows in tables.items()}
 
 
@@ -204,7 +214,7 @@ def _stop_time(line: Line, train: TimetableTrain, call: Call, sequence: int) -> 
         str(sequence),
         door,
         door,
-        "1",
+        INFERRED if call.inferred else "1",
         call.kind.value,
         given,
         call.track or "",

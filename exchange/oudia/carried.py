@@ -2,8 +2,9 @@
 
 The comment ends in a table of TOML: the head of the timetable file, ids of stations and order of sets. A remark has
 words, each with ids of stations: `運転停車=OGN,KRS`, where the train stands without passengers and OuDia has a stop;
-`番線=OGN`, where its track is named, the usual one as it is; and `日=+1`, by how many days it begins later than its
-first time says. Who edits the file may change or drop them; then they are not read.
+`番線=OGN`, where its track is named, the usual one as it is; `推定=OGN`, where a time is not the source's but computed;
+and `日=+1`, by how many days it begins later than its first time says. Who edits the file may change or drop them; then
+they are not read.
 """
 
 from __future__ import annotations
@@ -23,8 +24,9 @@ from network.files.toml_text import text_toml
 _BEGINS: Final = "# branchline: what OuDia has no place for; read back from here"
 _OPERATIONAL: Final = "運転停車"
 _TRACK: Final = "番線"
+_INFERRED: Final = "推定"
 _DAY: Final = "日"
-_WORD: Final = re.compile(rf"(?:^|\s)({_OPERATIONAL}|{_TRACK}|{_DAY})=(\S+)")
+_WORD: Final = re.compile(rf"(?:^|\s)({_OPERATIONAL}|{_TRACK}|{_INFERRED}|{_DAY})=(\S+)")
 
 
 class WrittenTable(Record):
@@ -45,11 +47,12 @@ class CommentTable(Record):
 @dataclass(frozen=True, slots=True)
 class RemarkFacts:
     """What a remark carries: ids of stations where the train stands without passengers, where its track is named though
-    it is the usual one, and days to add.
+    it is the usual one, where a time is inferred, and days to add.
     """
 
     operational: frozenset[str] = frozenset()
     named_tracks: frozenset[str] = frozenset()
+    inferred: frozenset[str] = frozenset()
     days: int = 0
 
 
@@ -75,7 +78,11 @@ def carried_in(text: str, file: str) -> CommentTable | None:
 
 def remark(words: RemarkFacts) -> str:
     """A train's remark; empty where OuDia has a place for all."""
-    stations = ((_OPERATIONAL, words.operational), (_TRACK, words.named_tracks))
+    stations = (
+        (_OPERATIONAL, words.operational),
+        (_TRACK, words.named_tracks),
+        (_INFERRED, words.inferred),
+    )
     parts = [f"{name}={','.join(sorted(ids))}" for name, ids in stations if ids]
     if words.days:
         parts.append(f"{_DAY}={words.days:+d}")
@@ -91,8 +98,12 @@ def words_in(text: str) -> RemarkFacts:
     """What a remark carries; other words of it are somebody's own."""
     found = dict(_WORD.findall(text))
     days = found.get(_DAY, "0")
+    operational, named_tracks, inferred = (
+        frozenset(found.get(name, "").split(",")) - {""} for name in (_OPERATIONAL, _TRACK, _INFERRED)
+    )
     return RemarkFacts(
-        operational=frozenset(found.get(_OPERATIONAL, "").split(",")) - {""},
-        named_tracks=frozenset(found.get(_TRACK, "").split(",")) - {""},
+        operational,
+        named_tracks,
+        inferred,
         days=int(days) if re.fullmatch(r"[+-][0-9]", days) else 0,
     )

@@ -124,7 +124,8 @@ def _calls(train: OudiaTrain, route: OudiaRoute, ids: Sequence[str]) -> list[tup
         elif of.how is CallHandling.PASS or station_id in words.operational:
             kind = CallKind.OPERATIONAL
         track = _track(train, station, of, named=station_id in words.named_tracks)
-        found.append((first_s, call_table(Call(station_id, track, arrival_s, departure_s, kind))))
+        call = Call(station_id, track, arrival_s, departure_s, kind, station_id in words.inferred)
+        found.append((first_s, call_table(call)))
     if not found:
         raise _LostError(f"train {train.number} has no times")
     return found

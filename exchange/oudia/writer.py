@@ -74,7 +74,8 @@ class _Dia:
 
 def write_oudia(path: Path, line: Line, timetable: Timetable, as_run: Sequence[TimetableTrain] = ()) -> None:
     """Write a file whole or not at all. Raises InputError where it cannot be written."""
-    write_bytes_aside(path, oudia_of(line, timetable, as_run).encoded())
+    data = oudia_of(line, timetable, as_run).encoded()
+    write_bytes_aside(path, data, data.partition(b"=")[0])
 
 
 def oudia_of(line: Line, timetable: Timetable, as_run: Sequence[TimetableTrain] = ()) -> OudiaText:
@@ -246,6 +247,7 @@ def _train(
     words = RemarkFacts(
         frozenset(call.station_id for call in train.calls if _is_said(train, call)),
         frozenset(named if dia.first_kind == 0 else ()),  # as it was run all tracks are named
+        frozenset(call.station_id for call in train.calls if call.inferred),
         _days(train),
     )
     note = remark(words)

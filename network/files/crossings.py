@@ -41,21 +41,26 @@ def least_warning_s(crossing: LevelCrossing) -> float:
 def crossings_of(
     file: str, laid: Sequence[tuple[CrossingTable, Piece]], entry: LineFile
 ) -> dict[str, LevelCrossing]:
-    """Crossings by id, each with the piece that its row names. InputError for one in points or a portal, for times
-    under the least, a crossing that overlaps the end of its track, and contacts that are missing or not before it.
+    """Crossings by id, each with the piece that its row names. InputError for one in a portal, in points or beside
+    them, for times under the least, a crossing that overlaps the end of its track, and contacts that are missing or not
+    before it.
     """
     kinds = {section.id: section.kind for section in entry.sections}
-    taken = {points.terminal for points in entry.points}
-    return {
-        table.id: _crossing(file, f"crossings[{i}]", table, piece, kinds[piece.section_id], taken)
-        for i, (table, piece) in enumerate(laid)
-    }
+    found: dict[str, LevelCrossing] = {}
+    for i, (table, piece) in enumerate(laid):
+        here = _crossing(file, f"crossings[{i}]", table, piece, kinds[piece.section_id], entry)
+        for other in found.values():
+            apart_m = (here.width_m + other.width_m) / 2.0
+            if other.piece_id == piece.id and abs(here.position_m - other.position_m) < apart_m:
+                raise InputError(file, f"crossings[{i}].km", table.km, f"a road clear of crossing {other.id}")
+        found[here.id] = here
+    return found
 
 
 def _crossing(
-    file: str, key: str, table: CrossingTable, piece: Piece, section_kind: str, taken: set[str]
+    file: str, key: str, table: CrossingTable, piece: Piece, section_kind: str, entry: LineFile
 ) -> LevelCrossing:
-    if table.id in taken:
+    if table.id in {points.terminal for points in entry.points}:
         raise InputError(file, f"{key}.id", table.id, "an id that no terminal has")
     if section_kind in ("points", "portal"):
         where = "piece" if table.section is None else "section"
@@ -65,6 +70,12 @@ def _crossing(
     if middle_m - half_m < piece.from_m or middle_m + half_m > piece.to_m:
         room_m = 2.0 * min(middle_m - piece.from_m, piece.to_m - middle_m)
         raise InputError(file, f"{key}.width_m", table.width_m, f"at most {room_m:g}, inside {piece.id}")
+    for points in entry.points:  # of the track beside it: the road goes over both
+        beside = (points.alignment or entry.alignments[0].id) == piece.alignment_id
+        from_m, to_m = metres(points.from_km), metres(points.to_km)
+        if beside and from_m < middle_m + half_m and middle_m - half_m < to_m:
+            expected = f"a place clear of points {points.id}, {points.from_km:g} to {points.to_km:g}"
+            raise InputError(file, f"{key}.km", table.km, expected)
     kind, control = CrossingClass(table.kind), CrossingControl(table.control)
     closing_s, closed_s = _times(file, key, table, kind)
     crossing = LevelCrossing(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import IO, TypeVar
 
 import msgspec
 
 from network.errors import InputError
-from network.files.text_input import JSON_BYTES_MAX, check_nesting, read_text, too_deep
+from network.files.text_input import JSON_BYTES_MAX, check_nesting, existing_file, read_text, too_deep
 
 _T = TypeVar("_T")
 
@@ -47,16 +47,32 @@ def write_aside(out_file: Path, text: str) -> None:
     write_bytes_aside(out_file, text.encode("utf-8"))
 
 
-def write_bytes_aside(out_file: Path, data: bytes) -> None:
-    """The same for what is no text in UTF-8."""
+def write_bytes_aside(out_file: Path, data: bytes, begins: bytes = b"") -> None:
+    """The same for what is no text in UTF-8; of a file that is there, only one that begins so is replaced."""
+    with writing_aside(out_file, begins) as stream:
+        stream.write(data)
+
+
+@contextmanager
+def writing_aside(out_file: Path, begins: bytes = b"") -> Generator[IO[bytes]]:
+    """The same for what is written bit by bit."""
     try:
         aside = out_file.with_name(out_file.name + ".part")
     except ValueError as error:
         raise InputError(str(out_file), "", None, "the name of a file") from error
     try:
-        aside.write_bytes(data)
-        aside.replace(out_file)
+        if existing_file(out_file):
+            with out_file.open("rb") as there:
+                own = there.read(len(begins))
+            if own and own != begins:
+                raise InputError(str(out_file), "", None, "a new file, or one of the same kind to replace")
+        try:
+            with aside.open("wb") as stream:
+                yield stream
+            aside.replace(out_file)
+        except BaseException:
+            with suppress(OSError):
+                aside.unlink()
+            raise
     except OSError as error:
-        with suppress(OSError):
-            aside.unlink()
         raise InputError(str(out_file), "", None, f"a writable path ({error.strerror})") from error

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise, product
 from typing import Final
 
 from network.errors import InputError
@@ -27,6 +27,7 @@ from network.units import metres
 TOLERANCE_M: Final = 0.001
 WAITS_WITHIN_M: Final = 100.0  # assumed: who waits before points stands so near to them
 PIECE_M_MIN: Final = 1.0  # assumed: shorter than the wheelbase of any vehicle
+BETWEEN_TRACKS_M: Final = 2.0  # assumed: narrower than two vehicles of any gauge
 
 
 def _km(position_m: float) -> str:
@@ -116,6 +117,13 @@ def check_on_line(file: str, key: str, position_km: float, alignments: Iterable[
     every = tuple(alignments)
     if not any(a.from_m <= metres(position_km) <= a.to_m for a in every):
         _check_on(file, key, position_km, every[0])
+
+
+def check_beside(file: str, key: str, station: StationTable, tracks: Sequence[Piece]) -> None:
+    """A station lies beside one of its tracks."""
+    if tracks and not any(piece.from_m <= metres(station.km) <= piece.to_m for piece in tracks):
+        ranges = " or ".join(dict.fromkeys(f"{_km(piece.from_m)} to {_km(piece.to_m)}" for piece in tracks))
+        raise InputError(file, key, station.km, f"{ranges}, where its tracks lie")
 
 
 def section_range_m(file: str, key: str, section: SectionTable, alignment: Alignment) -> tuple[float, float]:
@@ -220,7 +228,7 @@ def tag_piece(
 
 
 def check_overlaps(file: str, line: Line, keys: Mapping[str, str]) -> None:
-    """No two pieces lie on the same rails; `keys` gives the table of each piece.
+    """No two pieces lie on the same rails, or nearer than trains can pass; `keys` gives the table of each piece.
 
     Rails are the same at the same alignment and lateral offset. Legs that run across to another offset lie
     between tracks and are left out, as are the two legs of the same points, which part at the toe.
@@ -233,6 +241,13 @@ def check_overlaps(file: str, line: Line, keys: Mapping[str, str]) -> None:
             across = piece.leg is PointsLeg.REVERSE or piece.offset_m != stem.offset_m
         if not across:
             tracks.setdefault((piece.alignment_id, piece.offset_m), []).append(piece)
+    for (axis, offset_m), (other_axis, other_m) in combinations(tracks, 2):
+        if axis != other_axis or abs(offset_m - other_m) >= BETWEEN_TRACKS_M:
+            continue
+        for one, other in product(tracks[axis, offset_m], tracks[axis, other_m]):
+            if one.from_m < other.to_m - TOLERANCE_M and other.from_m < one.to_m - TOLERANCE_M:
+                expected = f"at least {BETWEEN_TRACKS_M:g} m from {offset_m:g}, that of {one.id}"
+                raise InputError(file, f"{keys[other.id]}.offset_m", other_m, expected)
     for pieces in tracks.values():
         pieces.sort(key=lambda piece: piece.from_m)
         furthest = pieces[0]

@@ -275,6 +275,7 @@ def _stations(
             piece, overlap_m = pieces[track.section], entry.line.overlap_m
             tracks.append(_platform(file, where, station.id, track, piece, overlap_m))
         position_m = metres(station.km)
+        check.check_beside(file, f"{key}.km", station, [pieces[track.section] for track in station.tracks])
         stations[station.id] = Station(
             station.id, station.name, station.name_ja, position_m, tuple(tracks), station.halt
         )

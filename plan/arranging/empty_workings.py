@@ -130,8 +130,8 @@ def _empty(
     leaves_s = own.last_s - TURNS_S - run_s if morning else own.last_s + TURNS_S
     leaves_s = math.floor(max(0, min(leaves_s, 2 * DAY_S)))
     calls = [
-        call_table(Call(from_id, None, None, leaves_s, CallKind.OPERATIONAL), inferred=True),
-        call_table(Call(to_id, None, leaves_s + run_s, None, CallKind.OPERATIONAL), inferred=True),
+        call_table(Call(from_id, None, None, leaves_s, CallKind.OPERATIONAL, inferred=True)),
+        call_table(Call(to_id, None, leaves_s + run_s, None, CallKind.OPERATIONAL, inferred=True)),
     ]
     begins, ends = ("stabled", f"becomes:{train.number}") if morning else (f"from:{train.number}", "stabled")
     return train_table(number, direction, calls, begins, ends, revenue=False)

@@ -139,15 +139,16 @@ def _calls(
         kind = CallKind.OPERATIONAL if call is None or not call.call.stops else call.call.kind
         arrival_s = None if first or not visit.stands else visit.arrival_s
         departure_s = None if last else visit.departure_s
+        source = (None, None) if call is None else (call.arrival_s, call.departure_s)
         here = Call(
             visit.station_id,
             _track(line, train, visit, None if call is None else call.call.track),
             arrival_s,
             departure_s,
             kind if visit.stands else CallKind.PASS,
+            inferred=(arrival_s, departure_s) != source,
         )
-        source = (None, None) if call is None else (call.arrival_s, call.departure_s)
-        yield call_table(here, inferred=(arrival_s, departure_s) != source)
+        yield call_table(here)
 
 
 def _track(line: Line, train: TimetableTrain, visit: ArrangedVisit, named: str | None) -> str | None:

@@ -15,8 +15,9 @@ import msgspec
 from network.errors import COMMAND_LINE, InputError
 from network.files.toml_input import one_of
 from plan.equipping.options import EquipmentOption, loops_to_lay, options_of, tables_of
-from plan.least_interval import AS_UNITS_ASK, LeastInterval, least_interval, recounted
+from plan.least_interval import AS_UNITS_ASK, LeastInterval, least_interval, pattern_of, recounted
 from plan.moving.proof import Impossibility
+from plan.moving.refutation import TooManyCasesError
 from simulation.setup import Setup
 from study.capacity.rules import Rules
 
@@ -91,12 +92,15 @@ def choices_of(with_tables: WithTables, asked: EquipmentAsked) -> list[Equipment
     """All that can be had together, the cheapest first. Raises InputError for too many, or a name that is unknown."""
     line = with_tables({}).line
     loops = [asked.costing(one) for one in loops_to_lay(line) if not asked.without & {one.name, "loop"}]
-    known = {"loop", *(one.name for one in (*loops_to_lay(line), *options_of(with_tables({})), *asked.own))}
+    names = ["loop", *(one.name for one in (*loops_to_lay(line), *options_of(with_tables({})), *asked.own))]
+    for one in asked.own:
+        if names.count(one.name) > 1:
+            raise InputError(COMMAND_LINE, "--options, name", one.name, "a name that no other option has")
     needs = [name for one in asked.own for name in one.needs]
-    for key, names in ("--cost, --without", (*asked.costs, *asked.without)), ("--options, needs", needs):
-        for name in names:
-            if name not in known:
-                raise InputError(COMMAND_LINE, key, name, one_of(sorted(known), name))
+    for key, asked_for in ("--cost, --without", (*asked.costs, *asked.without)), ("--options, needs", needs):
+        for name in asked_for:
+            if name not in names:
+                raise InputError(COMMAND_LINE, key, name, one_of(sorted(names), name))
     found: list[EquipmentChoice] = []
     for count in range(asked.loops + 1):
         for laid in combinations(loops, count):
@@ -127,6 +131,8 @@ def equipped(with_tables: WithTables, choice: EquipmentChoice, rules: Rules = AS
     try:
         setup = with_tables(tables_of(choice.options))
         return EquippedLine(choice, setup, least_interval(setup, rules))
+    except TooManyCasesError:
+        raise
     except InputError as error:
         return EquippedLine(choice, None, None, str(error))
 
@@ -180,8 +186,9 @@ def objections_to(
         one = shown.get(choice.names)
         try:
             setup = with_tables(tables_of(choice.options))
+            pattern_of(setup, rules)
         except InputError:
-            continue  # it cannot be had
+            continue  # it cannot be had, or nothing runs from end to end
         if one is None or one.proof is None:
             yield f"{name} costs {choice.cost:g} and is not excluded"
             continue

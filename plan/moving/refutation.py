@@ -12,14 +12,19 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from network.errors import InputError
 from plan.moving.bounds import EitherFirst, LegBounds
 from plan.moving.proof import Circle, MoveBound, Refutation, TwoCases, circles_of
 
 CASES_MAX: Final = 20_000  # that are looked at for one proof
 
 
-class TooManyCasesError(Exception):
-    """Neither a proof nor moves within `CASES_MAX`."""
+class TooManyCasesError(InputError):
+    """Neither a proof nor moves within `CASES_MAX`: unlike other input, of this nothing is known."""
+
+    def __init__(self) -> None:
+        expected = "a proof or moves within so many: a line with fewer places to meet, or fewer trains"
+        super().__init__("the search for a proof", "cases", CASES_MAX, expected)
 
 
 def excluded_by(proof: Refutation) -> tuple[float, float]:

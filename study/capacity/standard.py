@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from network.errors import InputError
 from network.model import Direction, PlatformTrack, Station
 from network.timetable import (
     AtPortal,
@@ -83,6 +84,8 @@ def round_path(setup: Setup, rounds: int = 1) -> StandardPath | None:
     down, up = (_calls(own, begins=False, ends=False) for own in (there, back))
     if [call.station_id for call in (down[0], down[-1])] != [call.station_id for call in (up[-1], up[0])]:
         return None
+    ends = down[-1].track, up[-1].track  # where it came in it goes out again
+    down, up = (replace(down[0], track=ends[1]), *down[1:]), (replace(up[0], track=ends[0]), *up[1:])
     stations = (setup.line.stations[down[at].station_id] for at in (0, -1))
     turns = [turning_tracks(station) if rounds > 1 else () for station in stations]
     ways: list[TimetableTrain] = []
@@ -163,7 +166,10 @@ def _there_and_back(own: _Ends, back: _Ends) -> tuple[TimetableTrain, ...]:
 def _timed(setup: Setup, path: StandardPath) -> StandardPath:
     """With the least times: running as units drive, shortest stops, changing ends with the points of the way out."""
     spread = _spread(path.trains)
-    planned = planned_day(path_alone(setup, replace(path, trains=spread))).trains[ALONE]
+    day = planned_day(path_alone(setup, replace(path, trains=spread)))
+    for lacking in day.missing:
+        raise InputError(setup.name, "timetable", None, f"trains that turn where they end ({lacking.why})")
+    planned = day.trains[ALONE]
     at_s, trains, comes_by, legs = ORIGIN_S, list[TimetableTrain](), list[tuple[int, ...]](), 0
     for index, (train, own) in enumerate(zip(spread, planned, strict=True)):
         if index:

@@ -7,9 +7,11 @@ from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from itertools import product
 
 import polars as pl
 
+from network.model import Line
 from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEP_S, STEPS_PER_S
 from study.collect.energy_hours import HOUR_S, shares
@@ -18,12 +20,13 @@ from study.record.crossings import CrossingHour, CrossingPassage
 from study.record.tables import make_table
 
 
-def crossing_tables(result: RunResult) -> dict[str, pl.DataFrame]:
+def crossing_tables(result: RunResult, line: Line) -> dict[str, pl.DataFrame]:
     """The tables `crossings`, by crossing and hour, and `warnings`, in the order of time; empty without crossings."""
     roads = roads_closed(result.journal.entries, result.end_step * STEP_S)
     number_at = _numbers(result)
+    warns = [crossing.id for crossing in line.crossings.values() if crossing.has_device]
     return {
-        "crossings": make_table("crossings", hours_of(roads)),
+        "crossings": make_table("crossings", hours_of(roads, product(warns, hours_run(result)))),
         "warnings": make_table(
             "warnings", [_passage(front, number_at(front.unit_id, front.at_s)) for front in roads.fronts]
         ),
@@ -37,9 +40,16 @@ class _HourSeen:
     warned_s: list[float] = field(default_factory=list[float])
 
 
-def hours_of(roads: RoadsClosed) -> list[CrossingHour]:
-    """A row for each crossing and hour from midnight with a closure or a front; a closure is cut at whole hours."""
-    seen: dict[tuple[str, int], _HourSeen] = defaultdict(_HourSeen)
+def hours_run(result: RunResult) -> range:
+    """The hours of the day that a run meets, from midnight."""
+    return range(_hour(result.begin_step * STEP_S), math.ceil(result.end_step * STEP_S / HOUR_S))
+
+
+def hours_of(roads: RoadsClosed, quiet: Iterable[tuple[str, int]] = ()) -> list[CrossingHour]:
+    """A row for each crossing and hour from midnight with a closure or a front, and for those that may be quiet; a
+    closure is cut at whole hours.
+    """
+    seen: dict[tuple[str, int], _HourSeen] = defaultdict(_HourSeen, {key: _HourSeen() for key in quiet})
     for closure in roads.closures:
         for hour, closed_s in _cut(closure):
             seen[closure.crossing_id, hour].closed_s.append(closed_s)

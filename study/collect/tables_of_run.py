@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -40,9 +41,10 @@ def tables_of(
     holds: Sequence[SectionHold],
     legs: Sequence[PlannedLeg] = (),
     duties: Iterable[Duty] = (),
+    end_s: float = -math.inf,
 ) -> RunTables:
     """All tables of a run but those of `execute`; `fleet` says what stock is, `holds` who had which section when,
-    the rest what was planned.
+    the rest what was planned, and when the run ends whatever happens, s.
     """
     spans = [(span, rows) for span, rows in rows_by_span(result) if rows.size]
     stops = stops_table(with_passings(result.stops, duties, spans))
@@ -54,8 +56,8 @@ def tables_of(
         telegrams=_telegrams(result),
         **energy_tables(result.energy, fleet),
         energy_hours=energy_hours_of(result.energy, fleet),
-        margins=margins_of(legs, stops),
-        **crossing_tables(result),
+        margins=margins_of(legs, stops, end_s),
+        **crossing_tables(result, line),
         events=_events(result, names_of(line)),
     )
 

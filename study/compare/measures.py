@@ -185,7 +185,7 @@ def _energy(side: ComparedRun) -> Iterator[RunFigure]:
 
 def _driving(side: ComparedRun) -> Iterator[RunFigure]:
     """Means over the hops as `study.measures.driving.driving_sums` has them; none of a run without any."""
-    whole = driving_sums(rows_in(DrivenHop, side.run.tables.driving))
+    whole = driving_sums(rows_in(DrivenHop, side.run.tables.driving), side.run.tables.margins["left_s"])
     for name, figure in (*seen_in(DrivenHop, ShownIn.TOTALS_COMPARED).items(), ("early_s", EARLY)):
         value = None if whole is None else whole[name]
         yield RunFigure("driving", figure.name.en, figure.unit, figure.digits, value)

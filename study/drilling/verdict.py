@@ -16,7 +16,7 @@ from simulation.judge.log import Checker
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
 from study.record.tables import RunTables
-from study.runner.outcome import left_out_by_order, missing_said, outside_said, rules_said
+from study.runner.outcome import missing_said, outside_said, rules_said
 from study.wording import outcome as words
 from study.wording.phrase import Phrase, joined_phrases
 from study.wording.script import expectation_text, matcher_text
@@ -130,8 +130,8 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
         return _judge_safety(expectation, result)
     if expectation.holds is Property.EVERYONE_ARRIVES:
         missing = missing_said(result)
-        cut = left_out_by_order(result)
-        arrived = words.OTHERS_ARRIVED.fill(trains=", ".join(cut)) if cut else words.ALL_ARRIVED
+        cut = ", ".join(result.cut)
+        arrived = words.OTHERS_ARRIVED.fill(trains=cut) if cut else words.ALL_ARRIVED
         happened = joined_phrases(missing, "; ", "；") if missing else arrived
         return ExpectationVerdict(
             expectation_text(expectation), (not missing) is not expectation.absent, happened
@@ -160,11 +160,12 @@ def _judge_safety(expectation: Expectation, result: RunResult) -> ExpectationVer
 def _judge_speed(
     expectation: Expectation, tables: RunTables, from_s: float, to_s: float
 ) -> ExpectationVerdict:
-    rows = tables.trajectory.filter(
-        (pl.col("unit") == expectation.unit) & (pl.col("t_s") >= from_s) & (pl.col("t_s") <= to_s)
-    )
+    own, t_s = tables.trajectory.filter(unit=expectation.unit), pl.col("t_s")
+    rows = own.filter((t_s >= from_s) & (t_s <= to_s))
+    if rows.is_empty():  # of who is on the line there is a row a second
+        rows = own.filter((t_s > from_s - 1.0) & (t_s < to_s + 1.0))
     if rows.is_empty():
-        return ExpectationVerdict(expectation_text(expectation), True, words.STOOD, None, from_s, to_s)
+        return ExpectationVerdict(expectation_text(expectation), False, words.OFF_LINE, None, from_s, to_s)
     fastest_kmh = float(rows["speed_mps"].max() or 0.0) * KMH_PER_MPS  # type: ignore[arg-type]
     passed = fastest_kmh <= expectation.kmh + SPEED_TOLERANCE_KMH
     return ExpectationVerdict(

@@ -6,6 +6,7 @@ the train, until it runs in the system again, or beside the track meanwhile (pri
 a plan of whole minutes. Of a set that turns back late the next train grows no later by that: it was late before. Spare
 time takes growth back, so that the sum of all is more than what trains are late in the end. A train that never comes to
 its end counts as coming when the run ends whatever happens; of that, what was not spent waiting for others is primary.
+A train that the dispatcher cuts grows, for others, to the lateness that is stated, from what it was late before.
 """
 
 from __future__ import annotations
@@ -117,7 +118,7 @@ class _Moment:
     """A planned time as it came: an arrival or a departure, s. `drawn_s`: what was drawn for the stop or the entry.
 
     `ready_s`: from when on waiting for others counts; `comes_s`: when a train that enters stood before its portal.
-    `never`: it never came; the time is when the run ends whatever happens.
+    `never`: it never came; the time is when the run ends whatever happens. `unbegun`: it was cut before it began.
     """
 
     stop: StopRecord
@@ -127,6 +128,7 @@ class _Moment:
     ready_s: float
     comes_s: float | None = None
     never: bool = False
+    unbegun: bool = False
 
 
 def delays_of(result: RunResult, setup: Setup) -> tuple[LatenessGrowth, ...]:
@@ -144,24 +146,13 @@ def delays_of(result: RunResult, setup: Setup) -> tuple[LatenessGrowth, ...]:
     seen.close(end_s)
     by_stock: dict[str, list[StopRecord]] = defaultdict(list)
     for stop in result.stops:
-        if not stop.cancelled:
-            by_stock[stop.stock_id].append(stop)
+        by_stock[stop.stock_id].append(stop)
     for diagram in setup.timetable.diagrams:
         by_stock.setdefault(diagram.stock_id, [])
-    cut = {stop.number: stop for stop in result.stops if stop.cancelled}
-    of_stock = (
+    return tuple(
         delay
         for stock_id, stops in by_stock.items()
-        for delay in _of_stock(stock_id, stops, seen, setup, cut.keys())
-    )
-    return (*of_stock, *map(_stated, cut.values()))
-
-
-def _stated(stop: StopRecord) -> LatenessGrowth:
-    """A train that the dispatcher cut or left out, for others: as late as the scenario states, once."""
-    late_s, planned_s = stop.stated_late_s or 0.0, stop.planned_arrival_s or stop.planned_departure_s or 0.0
-    return LatenessGrowth(
-        stop.stock_id, stop.number, stop.station_id, planned_s + late_s, late_s, 0.0, late_s
+        for delay in _of_stock(stock_id, stops, seen, setup, result.cut)
     )
 
 
@@ -173,16 +164,24 @@ def _of_stock(
     for moment in (*_moments(stops, seen, setup), *_never_came(stock_id, stops, seen, setup, cut)):
         if moment.comes_s is not None:
             late_s, since_s = 0.0, moment.comes_s
-        grown_s = moment.late_s - max(late_s, 0.0)
+        grown_s = moment.late_s - (0.0 if moment.unbegun else max(late_s, 0.0))
         if grown_s > 0.0:
             yield _split(moment, grown_s, since_s, seen)
-        late_s, since_s = moment.late_s, moment.at_s
+        if not moment.stop.cancelled:  # else the set is as late as it was
+            late_s, since_s = moment.late_s, moment.at_s
 
 
 def _moments(stops: Iterable[StopRecord], seen: _JournalFacts, setup: Setup) -> Iterator[_Moment]:
-    number = ""
+    number, cut = "", False
     for stop in stops:
         begins, number = stop.number != number, stop.number
+        if stop.cancelled and (begins or not cut):  # all that is cut of it, once
+            planned_s = stop.planned_arrival_s or stop.planned_departure_s or 0.0
+            late_s = stop.stated_late_s or 0.0
+            yield _Moment(stop, planned_s + late_s, late_s, 0.0, 0.0, unbegun=begins)
+        cut = stop.cancelled
+        if cut:
+            continue
         comes_s, entry_s = _enters(number, seen, setup) if begins else (None, 0.0)
         if stop.arrival_s is not None and stop.planned_arrival_s is not None:
             arrived_late_s = stop.arrival_s - stop.planned_arrival_s
@@ -211,7 +210,7 @@ def _never_came(
     """Of each train of a set that did not come to its end, the first arrival from where on it never came; of one that
     calls but once, its departure.
     """
-    ran = {stop.number for stop in stops}
+    ran = {stop.number for stop in stops if not stop.cancelled}
     came = {
         (stop.number, stop.station_id) for stop in stops if (stop.arrival_s, stop.departure_s) != (None, None)
     }
@@ -241,6 +240,8 @@ def _ready_s(stop: StopRecord, held: DoorsHeld | None, setup: Setup) -> float:
 def _split(moment: _Moment, grown_s: float, since_s: float, seen: _JournalFacts) -> LatenessGrowth:
     """Put growth down to what was drawn, to others, to what failed."""
     stop = moment.stop
+    if stop.cancelled:
+        return LatenessGrowth(stop.stock_id, stop.number, stop.station_id, moment.at_s, grown_s, 0.0, grown_s)
     from_s = max(since_s, moment.ready_s)
     waited_s = _overlap_s(seen.waits[stop.stock_id], from_s, moment.at_s)
     if moment.comes_s is not None:

@@ -109,24 +109,38 @@ def driving_table(
     return make_table("driving", driven_hops(result.energy, stocks, late_s, error_m))
 
 
-def driving_sums(hops: Sequence[DrivenHop]) -> dict[str, Any] | None:
-    """Hops together, by figure, with their number, how many were late, and mean earliness; None of none."""
+def driving_sums(hops: Sequence[DrivenHop], left_s: Iterable[float | None] = ()) -> dict[str, Any] | None:
+    """Hops together, by figure, with their number, how many were late, and mean earliness; None of none.
+
+    `left_s`: what was left on arrival of each hop that was planned, s: those too on which no train ran.
+    """
     if not hops:
         return None
-    late = [hop.late_s for hop in hops if hop.late_s is not None]
+    early_s = [time_s for time_s in left_s if time_s is not None]
     return {
         "hops": len(hops),
         **summed_figures(hops),
-        "early_s": -fmean(late) if late else None,
-        "late_hops": sum(time_s > 0.0 for time_s in late),
+        "early_s": fmean(early_s) if early_s else None,
+        "late_hops": sum(time_s < 0.0 for time_s in early_s),
     }
 
 
-def driving_summary(table: pl.DataFrame) -> dict[str, Any] | None:
+def driving_summary(table: pl.DataFrame, margins: pl.DataFrame) -> dict[str, Any] | None:
     """For summary.json: all hops together, and by law where there are several; None of a run without any hop."""
     hops = rows_in(DrivenHop, table)
-    whole = driving_sums(hops)
+    whole = driving_sums(hops, margins["left_s"])
     if whole is None:
         return None
-    laws = sorted({hop.law for hop in hops})
-    return {**whole, "by_law": {law: driving_sums([hop for hop in hops if hop.law == law]) for law in laws}}
+    by_law = {
+        law: driving_sums(
+            [hop for hop in hops if hop.law == law], margins_by_law(margins, table, law)["left_s"]
+        )
+        for law in sorted({hop.law for hop in hops})
+    }
+    return {**whole, "by_law": by_law}
+
+
+def margins_by_law(margins: pl.DataFrame, table: pl.DataFrame, law: str) -> pl.DataFrame:
+    """The margins of units that no other law drives: of one that never ran no table says which would have."""
+    others = table.filter(pl.col("law") != law)["unit"].unique()
+    return margins.filter(~pl.col("unit").is_in(others.implode()))

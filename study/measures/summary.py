@@ -68,7 +68,7 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
         },
         "energy": energy_summary(tables),
         "margins": smallest(tables.margins),
-        "driving": driving_summary(tables.driving),
+        "driving": driving_summary(tables.driving, tables.margins),
         "comparisons": tables.comparisons.to_dicts(),
         "telegrams": {name: int(telegrams[name].sum()) for name in TELEGRAM_COUNTS},
     }

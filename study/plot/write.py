@@ -38,7 +38,7 @@ def write_plot(read: RunRead, kind: PlotKind, choice: Choice, form: Format, out:
     """
     run = _checked_run(read, kind, choice, form)
     data = csv_of(kind.table(run)) if form is Format.CSV else _picture(run, kind).in_form(form)
-    write_bytes_aside(out, data)
+    write_bytes_aside(out, data, data[:3])
 
 
 def csv_of(table: pl.DataFrame) -> bytes:
@@ -51,11 +51,12 @@ def default_name(kind: PlotKind, choice: Choice, form: Format) -> str:
     return "-".join(filter(None, (kind.name, choice.train, choice.station))) + f".{form.value}"
 
 
-def _chosen(choice: Choice) -> dict[PlotOption, float | str | None]:
+def _chosen(choice: Choice) -> dict[PlotOption, str | None]:
+    time_s = choice.to_s if choice.from_s is None else choice.from_s
     return {
         PlotOption.TRAIN: choice.train,
         PlotOption.STATION: choice.station,
-        PlotOption.TIME: choice.from_s if choice.from_s is not None else choice.to_s,
+        PlotOption.TIME: None if time_s is None else at_time(time_s),
         PlotOption.RUNS: ", ".join(read.name for read in choice.beside) or None,
     }
 
@@ -64,7 +65,7 @@ def _check_taken(kind: PlotKind, choice: Choice) -> None:
     for option, value in _chosen(choice).items():
         if value is not None and option not in kind.takes:
             takes = ", ".join(sorted(o.value for o in kind.takes)) or "no choice"
-            raise InputError("command line", option.value, value, f"{kind.name} takes {takes}")
+            raise InputError("command line", option.value, value, f"what {kind.name} takes: {takes}")
 
 
 def _check_needed(run: ChosenRun, kind: PlotKind, choice: Choice, form: Format) -> None:

@@ -13,6 +13,7 @@ from typing import IO, Any, Final, NamedTuple
 import msgspec
 from mcap.writer import Writer
 
+from network.files.json_input import writing_aside
 from network.files.text_input import existing_file
 from simulation.events import EVENTS, EventType, JournalEntry, word_of
 from simulation.journal import encode_entry, read_journal
@@ -24,6 +25,7 @@ NS_PER_S: Final = 1_000_000_000
 DAY_NS: Final = 86_400 * NS_PER_S
 JSON: Final = "json"
 SCHEMA: Final = "jsonschema"
+MAGIC: Final = b"\x89MCAP"  # that every such file begins with
 
 
 class McapCounts(NamedTuple):
@@ -38,8 +40,7 @@ def write_mcap(read: RunRead, file: Path) -> McapCounts:
     journal = read.directory / JOURNAL_FILE
     entries = read_journal(journal) if existing_file(journal) else []
     frame = read.tables.trajectory.sort("t_s")
-    aside = file.with_name(f".{file.name}.part")
-    with aside.open("wb") as stream:
+    with writing_aside(file, MAGIC) as stream:
         writer = _Channels(stream)
         events = ((round(e.t_s * NS_PER_S), writer.of_event(e), encode_entry(e)) for e in entries)
         samples = (
@@ -47,7 +48,6 @@ def write_mcap(read: RunRead, file: Path) -> McapCounts:
             for row in frame.iter_rows(named=True)
         )
         writer.write(merge(events, samples, key=lambda one: one[0]))
-    aside.replace(file)
     return McapCounts(len(entries), frame.height)
 
 

@@ -20,7 +20,7 @@ def _warned(name: str, adds: Adds, over: str = "") -> Figure:
 
 @dataclass(frozen=True, slots=True)
 class CrossingHour:
-    """A crossing with a device and an hour of the day in which its road was closed, or a front came."""
+    """A crossing with a device and an hour of the run, in which its road was closed or not."""
 
     crossing: Crossing
     hour: Hour

@@ -32,7 +32,8 @@ class DrivenHop:
     """One hop as driven: running energy is traction less what came back, without auxiliaries.
 
     Shares are of the time in which the train moved and of the way. `late_s` counts from the latest arrival that keeps
-    the plan, negative when early; it and `stop_error_m` are None where nothing was planned or the train did not come.
+    the plan, negative when early, as `HopMargin.left_s` does; it is None where nothing was planned, `stop_error_m` also
+    where the train did not come.
     """
 
     unit: str

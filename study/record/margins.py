@@ -42,5 +42,6 @@ class HopMargin:
     left_s: Annotated[
         float | None,
         seconds("left", 1, Kind.SIGNED, _FILES | ShownIn.ROWS_LISTED),
-        "from the true arrival to that latest one",
+        "from the true arrival to that latest one; what never came counts as there when the run ends whatever happens,"
+        " what was cancelled as late as stated",
     ]

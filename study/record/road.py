@@ -12,7 +12,7 @@ from study.wording.catalogue import phrase
 
 @dataclass(frozen=True, slots=True)
 class RoadHour:
-    """A crossing and an hour of the day in which vehicles came, or stood."""
+    """A crossing with a road and an hour of the run, or one in which vehicles came, or stood."""
 
     crossing: Crossing
     hour: Hour

@@ -25,7 +25,7 @@ _WHEN: Final = {**_NAME, "hour": figures_of(CrossingHour)["hour"]}
 
 
 def crossing_tables_shown(run: ReportedRun) -> tuple[Table, ...]:
-    """By crossing, by crossing and hour, and every passage, along the line; nothing where no crossing was closed."""
+    """By crossing, by crossing and hour, and every passage, along the line; nothing on a line without any."""
     hours = rows_in(CrossingHour, run.tables.crossings)
     if not hours:
         return ()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from study.measures.driving import driving_sums
+from study.measures.driving import driving_sums, margins_by_law
 from study.record.columns import FROM, TO, TRAINS
 from study.record.driving import EARLY, LAW, DrivenHop
 from study.record.figure import Adds, Figure, ShownIn, rows_in, seen_in
+from study.record.tables import RunTables
 from study.report.data import ReportedRun
 from study.report.tabular import Table, table_of
 from study.wording.catalogue import phrase
@@ -29,7 +30,7 @@ def driving_tables(run: ReportedRun) -> tuple[Table, ...]:
         direction = int(run.directions[hops[0].train])
         return -direction, direction * order.get(hops[0].from_station, -direction * float("inf"))
 
-    rows = [_row(hops) for hops in sorted(together.values(), key=place)]
+    rows = [_row(run.tables, hops) for hops in sorted(together.values(), key=place)]
     return (
         table_of(
             "driving",
@@ -40,9 +41,13 @@ def driving_tables(run: ReportedRun) -> tuple[Table, ...]:
     )
 
 
-def _row(hops: list[DrivenHop]) -> dict[str, Any]:
+def _row(tables: RunTables, hops: list[DrivenHop]) -> dict[str, Any]:
     """One row: energy of the mean train, the rest as `study.measures.driving.driving_sums` has it."""
-    first, whole = hops[0], driving_sums(hops) or {}
+    first = hops[0]
+    margins = margins_by_law(tables.margins, tables.driving, first.law).filter(
+        from_station=first.from_station, to_station=first.to_station
+    )
+    whole = driving_sums(hops, margins["left_s"]) or {}
     return {
         **{
             name: whole[name] / len(hops) if figure.adds is Adds.SUM else whole[name]

@@ -77,20 +77,13 @@ def missing_said(result: RunResult) -> tuple[Phrase, ...]:
     if result.ended_because.of_part:
         return ()  # how late they are by then is in the figures
     planned = (*result.trains_planned, *result.empty_planned)
-    cut = left_out_by_order(result)
-    missing = [
-        n for n in planned if n not in (*result.trains_arrived, *result.empty_arrived) and n not in cut
-    ]
+    came = (*result.trains_arrived, *result.empty_arrived, *result.cut)
+    missing = [number for number in planned if number not in came]
     sentences = [words.MISSING.fill(count=len(missing), trains=", ".join(missing))] if missing else []
     sentences += [words.NOT_HOME.fill(unit=stock_id) for stock_id in result.unfinished]
     if result.ended_because is not Ending.FINISHED:
         sentences.append(words.CUT_SHORT.fill(why=words.ending_text(result.ended_because.value)))
     return tuple(sentences)
-
-
-def left_out_by_order(result: RunResult) -> tuple[str, ...]:
-    """Numbers of the trains that the dispatcher left out, or ended early; who begins later is to arrive."""
-    return tuple(n for n, cut in {stop.number: stop.cancelled for stop in result.stops}.items() if cut)
 
 
 def waiting_said(waiting: Waiting) -> Phrase:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from itertools import chain
+from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -34,6 +34,7 @@ from simulation.result import Ending, RunResult
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.roster import drawn_up
 from study.collect.battery import battery_summary, battery_tables
+from study.collect.crossings import hours_run
 from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
 from study.collect.road import road_table
@@ -251,7 +252,7 @@ def execute(
     fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
     holds = section_holds(result, setup.line, setup.lengths_m)
     duties = chain.from_iterable(drawn_up(setup, setup.line).values())
-    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties)
+    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties, setup.latest_end_s)
     stage("comparing with second opinions")
     opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
     tables = replace(
@@ -260,7 +261,7 @@ def execute(
         comparisons=opinions,
         waits=make_table("waits", waits_of(result, setup, holds)),
         **battery_tables(result.battery, setup),
-        road=road_table(result.road),
+        road=road_table(result.road, product(setup.roads, hours_run(result))),
     )
     failures = broken_said(result, setup)
     summary = {

@@ -28,9 +28,12 @@ def test_energy_by_distance_is_that_of_the_report() -> None:
 
 def test_the_smallest_margin_says_what_was_planned_and_what_was_left() -> None:
     planned = {"train": "1", "from_station": "AOK", "to_station": "SAW", "margin_s": 18.2}
-    left = {"train": "21", "from_station": "HMN", "to_station": "KTR", "left_s": 5.9}
+    left = {"train": "21", "from_station": "HMN", "to_station": "KTR", "left_s": 5.9, "run_s": 99.0}
     margins = {"smallest_margin_s": planned, "smallest_left_s": left}
     assert _margin(margins) == "planned 18 s (1, AOK to SAW); least left as run 6 s (21, HMN to KTR)"
+    assert _margin({**margins, "smallest_left_s": {**left, "run_s": None}}).endswith(
+        "KTR), where it did not run"
+    )
     assert _margin({"smallest_margin_s": planned}) == "planned 18 s (1, AOK to SAW)"
     assert _margin(None) == "-"
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import polars as pl
 import pytest
 
@@ -69,11 +70,50 @@ def test_a_keyword_that_is_wrong_is_named(tables: dict[str, Any], told: str) -> 
     assert str(error.value).startswith(told)
 
 
+@pytest.mark.parametrize(
+    ("verb", "arguments", "told"),
+    [
+        (
+            branchline.load,
+            {"name": VALLEY, "seed": 1.5},
+            "load: seed is 1.5; expected a whole number or None",
+        ),
+        (
+            branchline.load,
+            {"name": VALLEY, "seed": True},
+            "load: seed is true; expected a whole number or None",
+        ),
+        (branchline.check, {"scenario": 5}, "check: scenario is 5; expected a text or a path or Scenario"),
+        (branchline.run, {"scenario": VALLEY, "anyway": "no"}, "run: anyway is 'no'; expected True or False"),
+        (branchline.sweep, {"file": "x", "days": 1.5}, "sweep: days is 1.5; expected a whole number or None"),
+        (
+            branchline.capacity,
+            {"source": VALLEY, "from_time": 9},
+            "capacity: from_time is 9; expected a text or",
+        ),
+    ],
+)
+def test_an_argument_of_another_type_is_named(verb: Any, arguments: dict[str, Any], told: str) -> None:  # noqa: ANN401
+    with pytest.raises(branchline.InputError) as error:
+        verb(**arguments)
+    assert str(error.value).startswith(f"branchline.{told}")
+
+
+def test_whole_numbers_of_other_libraries_are_whole_numbers() -> None:
+    assert branchline.load(VALLEY, seed=np.int64(4)).setup.seed == 4
+
+
 def test_a_wrong_key_of_the_file_is_not_put_down_to_a_keyword(tmp_path: Path) -> None:
     file = tmp_path / "wrong.toml"
     file.write_text('extends = "karasuyama_weekday"\nair.delay_mean_s = -1.0\n', "utf-8")
     with pytest.raises(branchline.InputError, match=r"wrong\.toml: air\.delay_mean_s is -1\.0"):
         branchline.load(file, air={"loss_good_p": 0.0})
+    (tmp_path / "top.toml").write_text('extends = "wrong.toml"\nair.loss_good_p = 0.1\n', "utf-8")
+    with pytest.raises(branchline.InputError, match=r"wrong\.toml: air\.delay_mean_s is -1\.0"):
+        branchline.load(tmp_path / "top.toml")
+    (tmp_path / "top.toml").write_text('extends = "wrong.toml"\nair.delay_mean_s = -2.0\n', "utf-8")
+    with pytest.raises(branchline.InputError, match=r"top\.toml: air\.delay_mean_s is -2\.0"):
+        branchline.load(tmp_path / "top.toml")
 
 
 def test_a_run_is_the_run_of_the_command(
@@ -89,6 +129,9 @@ def test_a_run_is_the_run_of_the_command(
     picture = run.picture("train-graph", language="ja")
     assert picture._repr_png_().startswith(PNG)
     assert main("plot", "out", "train-graph", "--lang", "ja", "--out", "graph.svg").code == 0
+    wrong: Any = "fr"
+    with pytest.raises(branchline.InputError, match="picture: language is 'fr'; expected one of en, ja"):
+        run.picture("train-graph", language=wrong)
     assert picture.save(tmp_path / "same.svg").read_bytes() == (tmp_path / "graph.svg").read_bytes()
 
 

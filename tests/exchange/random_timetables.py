@@ -184,6 +184,7 @@ def _calls(
             "station": station.id,
             "track": track,
             "operational": kind == "operational",
+            "inferred": draw(st.booleans()),
         }
         if kind == "pass":
             table["pass"], leaves_s = time_text(arrives_s), arrives_s

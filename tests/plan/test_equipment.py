@@ -1,6 +1,6 @@
 """The cheapest equipment: a curve of which every point is proven, recounted, and refused where a choice is left out."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,14 @@ from plan.equipping.cheapest import (
     EquippedLine,
     choices_of,
     curve_of,
+    equipped,
     objections_to,
     proof_of,
     worked_out,
 )
 from plan.equipping.options import EquipmentOption, options_of, options_of_file, tables_of
+from plan.moving import refutation
+from plan.where_to_meet import laying, loop_choices
 from scenario.scenario import load_scenario
 from simulation.setup import Setup
 
@@ -71,8 +74,10 @@ def test_what_a_user_says_a_loop_costs_changes_the_curve() -> None:
     with pytest.raises(InputError, match="loop_XYZ"):
         choices_of(with_tables, EquipmentAsked(1, costs={"loop_XYZ": 1.0}))
     typo = EquipmentOption("signals", "more signals", 5.0, needs=("by_secton",))
-    with pytest.raises(InputError, match="by_secton"):
-        choices_of(with_tables, EquipmentAsked(0, own=(typo,)))
+    again = EquipmentOption("blocks", "more blocks", 5.0)
+    for own, wrong in ((typo,), "by_secton"), ((again,), "name is 'blocks'"), ((again, again), "blocks"):
+        with pytest.raises(InputError, match=wrong):
+            choices_of(with_tables, EquipmentAsked(0, own=own))
 
 
 def test_a_proof_with_a_choice_left_out_or_a_number_changed_is_refused() -> None:
@@ -92,6 +97,30 @@ def test_a_proof_with_a_choice_left_out_or_a_number_changed_is_refused() -> None
             with_tables, choices, msgspec.structs.replace(proof, cheaper=(swapped, *proof.cheaper[1:]))
         )
     )
+
+
+def test_a_line_on_which_nothing_runs_from_end_to_end_is_no_objection() -> None:
+    """The test line's one train runs one way: all choices are found out by it, and by who checks."""
+
+    def of_test_line(tables: Mapping[str, Any]) -> Setup:
+        return load_scenario("rtri_test_line", tables=tables or None).setup
+
+    choices = choices_of(of_test_line, EquipmentAsked(0))
+    found = worked_out(of_test_line, choices[:3])
+    assert all("expected trains each way" in one.why_not for one in found)
+    assert list(objections_to(of_test_line, choices[:2], proof_of(found, 1440))) == []
+
+
+def test_what_is_not_decided_is_no_choice_that_cannot_be_had(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(refutation, "CASES_MAX", 0)
+    nothing, *_ = choices_of(with_tables, EquipmentAsked(0))
+    for search in (lambda: equipped(with_tables, nothing), lambda: loop_choices(with_loops, ("NIT",), 0)):
+        with pytest.raises(InputError, match="the search for a proof: cases"):
+            search()
+
+
+def with_loops(loops: Sequence[str]) -> Setup:
+    return with_tables(laying(loops))
 
 
 def test_every_option_is_a_scenario_that_a_line_can_have() -> None:

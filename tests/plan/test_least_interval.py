@@ -40,6 +40,17 @@ def setup_of(name: str) -> Setup:
     return load_scenario(name).setup
 
 
+def test_a_set_goes_out_on_the_track_on_which_it_came_in() -> None:
+    """The two trains of the day have tracks of their own at both ends, so that no set could take up the other one."""
+    (path,) = pattern_of(setup_of("bad_aibling_2016"), AS_UNITS_ASK).paths
+    ends = [(train.calls[0], train.calls[-1]) for train in path.trains]
+    assert [(a.station_id, a.track, b.station_id, b.track) for a, b in ends] == [
+        ("AIB", "2", "KOL", "1"),
+        ("KOL", "1", "AIB", "2"),
+        ("AIB", "2", "KOL", "1"),
+    ]
+
+
 @pytest.mark.parametrize("rules", [AS_UNITS_ASK, SET_LATE])
 def test_hoshakuji_has_one_track_for_both_ways(rules: Rules) -> None:
     """Each train has it from when the way to it is asked for until it is free: both together are the interval."""

@@ -128,7 +128,8 @@ def test_a_departure_is_delayed_by_what_the_warning_lacks() -> None:
         next(e.t_s for e in result.journal.entries if isinstance(e.event, Departs))
         for result in (planned, late)
     )
-    (usual,), (short,) = (crossing_tables(result)["warnings"].to_dicts() for result in (planned, late))
+    line = drill("121_crossing_departure_late").line
+    (usual,), (short,) = (crossing_tables(result, line)["warnings"].to_dicts() for result in (planned, late))
     assert (leaves_s, usual["from_stand"]) == (pytest.approx(TEN_S, abs=0.1), True)
     assert 35.0 - 1.0 <= usual["warned_s"] <= 35.0 + 4.0
     lit_s = short["at_s"] - short["warned_s"]
@@ -144,8 +145,12 @@ def test_tables_and_figures_of_a_day_say_how_long_the_road_was_closed_and_warned
     setup, result = drill("107_crossing_contacts"), run("107_crossing_contacts")
     length_m = setup.lengths_m["K1"]
     contact_s, road_s, rear_s = times_s(result, setup, 500.0, 847.0, 853.0 + length_m)
-    made = crossing_tables(result)
-    (hour,), (passage,) = made["crossings"].to_dicts(), made["warnings"].to_dicts()
+    made = crossing_tables(result, setup.line)
+    *quiet, hour = made["crossings"].to_dicts()
+    (passage,) = made["warnings"].to_dicts()
+    begun_s = result.begin_step * STEP_S  # each hour has its row, those too in which nothing came
+    assert [row["hour"] for row in (*quiet, hour)] == list(range(int(begun_s // 3600.0), 11))
+    assert {(row["closed_s"], row["closures"], row["trains"]) for row in quiet} <= {(0.0, 0, 0)}
     assert passage["warned_s"] == pytest.approx(road_s - contact_s, abs=2.0 * STEP_S)
     assert passage["closed_s"] == pytest.approx(road_s - contact_s - 15.0, abs=2.0 * STEP_S)
     assert (passage["train"], passage["from_stand"], hour["hour"]) == ("T1", False, 10)
@@ -159,7 +164,7 @@ def test_tables_and_figures_of_a_day_say_how_long_the_road_was_closed_and_warned
     ]  # as a sweep keeps them
     end_s = result.end_step * STEP_S
     assert roads_closed(kept, end_s) == roads_closed(result.journal.entries, end_s)
-    by_radio = crossing_tables(run("100_crossing"))["warnings"].to_dicts()
+    by_radio = crossing_tables(run("100_crossing"), setup.line)["warnings"].to_dicts()
     assert [row["warned_s"] for row in by_radio] == [pytest.approx(35.0, abs=1.0)]
 
 

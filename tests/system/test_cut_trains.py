@@ -9,6 +9,7 @@ import pytest
 
 from onboard.notes import EndedEarly
 from scenario.scenario import load_scenario
+from simulation.judge.checkers import Checker
 from study.measures.day_figures import DayFigures, day_figures
 from study.runner.outcome import unfinished
 from study.runner.run import FinishedRun, PartyLink
@@ -92,6 +93,16 @@ def test_a_late_train_ends_at_the_loop_and_its_set_comes_back_from_there(tmp_pat
     assert (found.missing, found.cancelled, found.shortened) == ((), (), ("A", "B"))
     assert (found.planned_arrivals, found.arrivals) == (5, 3)  # A at USU and B at IZU do not come
     assert done.summary["trains_shortened"] == 2 and done.summary["trains_cancelled"] == 0
+
+
+def test_a_train_that_begins_later_by_order_is_to_arrive(tmp_path: Path) -> None:
+    """Its set is told to go on as B, and is silent from then on: B never leaves, C never comes."""
+    for_ever = SILENT.replace("10:06:10", "10:25:00").replace("duration_s = 960.0\n", "")
+    done = day(tmp_path, CUTS, SILENT + for_ever)
+    assert done.result.cut == ("A",)
+    late = [v.text for v in done.result.violations if v.checker == Checker.EVERYONE_ARRIVES]
+    assert late == ["B has not arrived", "C has not arrived"]
+    assert unfinished(done.result)[0] == "2 trains did not arrive: B, C"
 
 
 def test_nothing_is_cut_unless_the_scenario_allows_it_there(tmp_path: Path) -> None:

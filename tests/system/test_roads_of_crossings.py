@@ -17,6 +17,7 @@ from simulation.faults.script import Script, ScriptedFault, Trigger
 from simulation.result import Ending, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.crossings import CrossingsOnTrack
+from study.collect.crossings import hours_run
 from study.collect.road import road_table
 from study.runner.outcome import broken_rules
 from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
@@ -61,6 +62,7 @@ def test_trains_and_devices_do_as_without_a_road_and_on_plain_track(tmp_path: Pa
     assert digests(busy.result) == digests(plain.result)
     assert digests(busy.result) == digests(run(on_test_line(tmp_path).setup))
     assert plain.tables.road.is_empty()
+    assert busy.tables.road["hour"].to_list() == list(hours_run(busy.result))  # one crossing, every hour
     assert busy.tables.road["passages"].sum() > 100
     assert busy.tables.road["queue"].max() >= 3  # in some 42 s seven come in each lane
 

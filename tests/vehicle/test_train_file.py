@@ -76,6 +76,7 @@ def test_odas_and_hitachis_figures(oda: Rows, hitachi: Rows) -> None:
         ("dry = 0.245", "dry = 2.45", "adhesion.dry", 2.45),
         ("stepless = true", "stepless = 1", "brakes.stepless", 1),
         ("[0.2, 0.4, 0.6, 0.8, 1.0]", "[0.2, 0.4, 1.8]", "traction.notch_share[2]", 1.8),
+        ("[0.2, 0.4, 0.6, 0.8, 1.0]", "[0.2, 0.6, 0.4, 0.8, 1.0]", "traction", None),
         ("[0.514, 1.029,", "[1.029, 0.514,", "brakes", None),
         ("fade_to_kmh = 5.0", "fade_to_kmh = 15.0", "regeneration", None),
         ("motors = 4", "motors = 4\ncurve_speed_kmh = [0.0, 10.0]", "traction", None),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from exchange.new_line import NewLineOptions, write_line
 from network.errors import InputError
 from network.files.crossing_road import roads_of
 from network.files.crossings import least_closed_s, least_warning_s
@@ -52,6 +53,30 @@ def test_one_without_a_device_asks_nobody() -> None:
 def test_each_direction_meets_its_own_edge_first() -> None:
     found = crossing("width_m = 8.0")
     assert (found.edge_m(Direction.DOWN), found.edge_m(Direction.UP)) == (696.0, 704.0)
+
+
+def test_its_road_keeps_clear_of_points_on_the_track_beside_it(tmp_path: Path) -> None:
+    """At B the points between the second track and the third lie from 2.8 to 2.88 km, where the first has begun."""
+    (tmp_path / "list.csv").write_text("name,km,tracks\nA,0,1\nB,3,3\nC,6,1\n", "utf-8")
+    write_line(tmp_path / "list.csv", tmp_path / "line.toml", NewLineOptions(max_speed_kmh=70.0))
+    text = (tmp_path / "line.toml").read_text("utf-8")
+    clear, beside = (f'{text}\n[[crossings]]\nid = "X"\nsection = "B.1"\nkm = {km}\n' for km in (2.9, 2.882))
+    assert parse_line(clear, "line.toml").crossings["X"].position_m == 2900.0
+    with pytest.raises(
+        InputError, match=r"crossings\[0\]\.km is 2\.882; expected a place clear of points B\.12"
+    ):
+        parse_line(beside, "line.toml")
+
+
+def test_no_two_roads_lie_at_one_place() -> None:
+    """Roads of 6 and 8 m: 7 m from middle to middle they meet."""
+    one = f'{TEST_LINE}\n[[crossings]]\nid = "C"\nsection = "6"\nkm = 0.7\n'
+    other = '[[crossings]]\nid = "D"\nsection = "6"\nwidth_m = 8.0\nkm = '
+    assert len(parse_line(f"{one}{other}0.707\n", "line.toml").crossings) == 2
+    with pytest.raises(
+        InputError, match=r"crossings\[1\]\.km is 0\.706; expected a road clear of crossing C"
+    ):
+        parse_line(f"{one}{other}0.706\n", "line.toml")
 
 
 def test_it_goes_with_its_block() -> None:

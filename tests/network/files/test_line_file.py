@@ -9,6 +9,16 @@ from network.timetable import parse_timetable
 from network.train_fit import usable_length_m, validate_train_fits
 from tests.network.sample import SAMPLE, changed
 
+HALT = """[[stations]]
+id = "G"
+name = "Another halt"
+km = 1.2
+halt = true
+tracks = [
+  { name = "1", section = "A-B", platform_from_km = 1.5, platform_to_km = 1.7, mark_down_km = 1.63, mark_up_km = 1.57 },
+]
+"""
+
 
 def test_units_become_si() -> None:
     line = parse_line(SAMPLE, "sample.toml")
@@ -220,9 +230,23 @@ FAULTS = [
     (
         "a halt before A, by km",
         changed("km = 1.5\n", "km = 0.2\n"),
-        "stations[0].km",
-        0.26,
-        "less than H's, whose mark",
+        "stations[1].km",
+        0.2,
+        "0.42 to 3, where its tracks lie",
+    ),
+    (
+        "a halt behind the next one, by km",
+        changed('[[stations]]\nid = "B"', f'{HALT}[[stations]]\nid = "B"'),
+        "stations[1].km",
+        1.5,
+        "less than G's, whose mark",
+    ),
+    (
+        "tracks that overlap",
+        changed("offset_m = 4.0", "offset_m = 0.5"),
+        "sections[3].offset_m",
+        0.5,
+        "at least 2 m from 0, that of A.1",
     ),
     ("unknown neighbour", changed('stem = "P"', 'stem = "Q"'), "points[0].stem", "Q", "one of "),
     (

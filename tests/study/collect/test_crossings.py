@@ -41,15 +41,17 @@ def test_hours_by_hand() -> None:
     """C1: 20 s of 48 s lie before one o'clock, 28 s and 128 s after it; C2: 10 s of 50 s before two."""
     found = [
         (it.crossing, it.hour, it.closed_s, it.closures, it.closure_s_max, it.trains)
-        for it in hours_of(roads_closed(crossed().entries, END_S))
+        for it in hours_of(roads_closed(crossed().entries, END_S), [("C1", 1), ("C1", 2), ("C5", 0)])
     ]
     assert found == [
         ("C1", 0, 20.0, 1, 48.0, 0),
         ("C1", 1, 156.0, 1, 128.0, 4),
+        ("C1", 2, 0.0, 0, None, 0),  # nothing came: open for all of that hour
         ("C2", 1, 10.0, 1, 50.0, 0),
         ("C2", 2, 40.0, 0, None, 1),
         ("C3", 2, 0.0, 0, None, 1),
         ("C4", 2, 1000.0, 1, 1000.0, 0),
+        ("C5", 0, 0.0, 0, None, 0),
     ]
 
 

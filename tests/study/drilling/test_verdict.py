@@ -203,7 +203,11 @@ def test_speed_is_judged_within_its_stretch_by_the_truth() -> None:
     assert verdict(slow, RUN, fast_outside) == (True, "at most 14.4 km/h")
     fast_inside = tables(trajectory=trajectory((15.0, SLOW_MPS), (25.0, 5.0)))
     assert verdict(slow, RUN, fast_inside) == (False, "at most 18.0 km/h")
-    assert verdict(slow, RUN)[1] == "stood all the time"
+    # Less than a second lies between two rows; who has none is off the line, and no slower for it.
+    moment = replace(slow, after=B, until=None, by_s=30.4)
+    assert verdict(moment, RUN, tables(trajectory=trajectory((30.9, 20.0)))) == (False, "at most 72.0 km/h")
+    for elsewhere in (NOTHING, tables(trajectory=trajectory((5.0, 20.0), (32.0, SLOW_MPS)))):
+        assert verdict(slow, RUN, elsewhere) == (False, "was not on the line")
 
 
 def stop_of(number: str, station: str, stated_late_s: float | None = None) -> StopRecord:
@@ -216,7 +220,7 @@ BEGUN_AT_B = [stop_of("T2", "C", 60.0), stop_of("T2", "B", 60.0), stop_of("T2", 
 
 def test_of_trains_cut_by_order_it_is_not_said_that_all_arrived() -> None:
     everyone = Expectation("t", holds=Property.EVERYONE_ARRIVES)
-    cut = {"stops": [*ENDED_AT_B, *BEGUN_AT_B], "trains_planned": ("T1", "T2")}
+    cut = {"stops": [*ENDED_AT_B, *BEGUN_AT_B], "trains_planned": ("T1", "T2"), "cut": ("T1",)}
     done = result_of(trains_arrived=("T2",), **cut)
     assert verdict(everyone, done) == (True, "all arrived but what was cancelled: T1")
     swept = swept_run_of(done, Script())

@@ -185,6 +185,27 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
     assert late_stretches(begun, plan)[-1] == LateStretch(1560.0, 5900.0, over=False)  # by order from B
 
 
+def test_what_is_cut_grows_to_what_is_stated_once(setup: Setup) -> None:
+    """Train 1 comes to B 100 s late and ends there, 600 s late as stated; by order 2 begins at C and stays there."""
+    cut = [
+        ON_TIME[0],
+        stop("1", "B", (1200.0, None), (1300.0, None)),
+        replace(stop("1", "B", (None, 1230.0), (None, None)), stated_late_s=600.0),
+        replace(stop("1", "C", (1500.0, None), (None, None)), stated_late_s=600.0),
+        replace(stop("2", "C", (None, 1800.0), (None, None)), stated_late_s=60.0),
+    ]
+    ended = replace(result(cut), cut=("1",))
+    never_s = 5900.0 - 2300.0 - 100.0  # by which its set was late already
+    assert split(delays_of(ended, setup)) == [
+        ("1", "B", 0.0, 0.0, 100.0),
+        ("1", "B", 0.0, 500.0, 0.0),
+        ("2", "C", 0.0, 60.0, 0.0),
+        ("2", "A", never_s, 0.0, 0.0),
+    ]
+    both = replace(ended, cut=("1", "2"))
+    assert split(delays_of(both, setup)) == split(delays_of(ended, setup))[:3]
+
+
 def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None:
     """The unit fails before it has left, for ever: nothing arrives, of which the failure is the cause."""
     figures = day_figures(result([], [(900.0, WORLD, PowerOff(device_id="K1"))], Ending.STALLED), setup)

@@ -84,7 +84,7 @@ def test_hops_worked_out_by_hand() -> None:
 
 
 def test_hops_together() -> None:
-    whole = driving_sums(hops())
+    whole = driving_sums(hops(), (8.0, -2.0, None))
     assert whole is not None
     assert (whole["hops"], whole["late_hops"]) == (3, 1)
     assert whole["running_kwh"] == pytest.approx(3.0 + 5.0 + 5.0)
@@ -101,11 +101,14 @@ def test_the_table_says_what_the_hops_are() -> None:
     made = hops()
     table = make_table("driving", {f.name: [getattr(hop, f.name) for hop in made] for f in fields(DrivenHop)})
     assert rows_in(DrivenHop, table) == made
-    summary = driving_summary(table)
+    margins = pl.DataFrame({"unit": ["K1", "K2", "K3"], "left_s": [8.0, -2.0, -3600.0]})  # K3 never ran
+    summary = driving_summary(table, margins)
     assert summary is not None
+    assert (summary["early_s"], summary["late_hops"]) == (pytest.approx((8.0 - 2.0 - 3600.0) / 3), 2)
+    assert summary["by_law"]["hold_speed"]["early_s"] == (8.0 - 3600.0) / 2
     assert summary["by_law"]["follow_plan"]["hops"] == 1
     assert summary["running_kwh"] == pytest.approx(13.0)
-    assert driving_summary(pl.DataFrame(schema=schema_of(ROWS["driving"]))) is None
+    assert driving_summary(make_table("driving"), margins) is None
 
 
 @given(st.lists(st.tuples(st.sampled_from("AB"), st.floats(0.0, 9.0), st.floats(0.0, 9.0)), max_size=12))

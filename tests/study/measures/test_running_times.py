@@ -154,6 +154,19 @@ def test_margins_worked_out_by_hand(make_stops: MakeStops) -> None:
     assert found["smallest_left_s"]["from_station"] == "B"
 
 
+def test_what_never_ran_is_as_late_as_the_run_may_last(make_stops: MakeStops) -> None:
+    """T1 comes to B 5 s before its time and stands there, T3 never runs: of the three hops one is better than none."""
+    stops = make_stops([("T1", "A", None, 101.0), ("T1", "B", 195.0, None)])
+    assert margins_of(legs(), stops, 1000.0)["left_s"].to_list() == [5.0, 520.0 - 1000.0, 500.0 - 1000.0]
+    assert margins_of(legs(), stops, 510.0)["left_s"].to_list() == [
+        5.0,
+        None,
+        500.0 - 510.0,
+    ]  # C is not due yet
+    cut = make_stops([("T1", "C", None, None)]).with_columns(late_arrival_s=180.0, cancelled=True)
+    assert margins_of(legs(), pl.concat([stops, cut]), 510.0)["left_s"].to_list() == [5.0, -180.0, -10.0]
+
+
 def test_the_smallest_margin_in_seconds_need_not_be_that_in_percent(make_stops: MakeStops) -> None:
     two = (
         PlannedLeg("K1", "T1", True, "A", "B", 0.0, 110.0, 100.0, 100.0),  # 10 s, 10 %
