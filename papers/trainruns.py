@@ -91,7 +91,8 @@ class Apart:
             (
                 "plant",
                 self.plant_s - self.driven_s,
-                "dead time, build-up, notches and the stop at the mark; whole steps of the kernel",
+                "dead time, build-up, notches and the stop at the mark; limits held by bounds that grow by"
+                f" {LINE.unit.wheel_error_share:.0%} of the way, without a fix; whole steps of the kernel",
             ),
         )
         return tuple(UnjudgedFigure(f"{path}: {name}, s", round(value, 2), why) for name, value, why in parts)

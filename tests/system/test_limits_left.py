@@ -19,8 +19,8 @@ def test_it_keeps_the_limit_until_its_rear_has_truly_left_it() -> None:
     assert run.broken == ()
     front, way = pl.col("kilometrage_m"), run.tables.trajectory
     within = way.filter((pl.col("train") == "321M") & (front > FROM_M) & (front < TO_M + TRAIN_M))
-    assert within["intervention"].max() == 0  # supervision and driving let go at the same metre
-    assert within["speed_mps"].max() <= LIMIT_MPS
+    assert within.filter(pl.col("intervention") > 0).is_empty()  # driving lets go where supervision does
+    assert within.filter(pl.col("speed_mps") > LIMIT_MPS).is_empty()
     last = within.row(-1, named=True)
     assert last["estimate_error_m"] > 20.0  # it believes its rear to be beyond
     assert last["bound_behind_m"] > 60.0
