@@ -63,7 +63,7 @@ class CrossingTalk:
         self._places: Mapping[str, CrossingPlace] = {}
         self._goes_on = self._stands = False
         self._correlations: dict[str, int] = {}
-        self._announced: dict[str, None] = {}  # those that have heard of it, or are yet to hear that it is over them
+        self._announced: dict[str, None] = {}  # who has heard of it, or is yet to hear that it is over
         self._live: list[str] = []  # those that matter: ahead or announced
         self.creeps = False  # the train runs on sight over a crossing that has not proved closed
         self._held: tuple[float, str] | None = None  # what `held_before` has found, and when
