@@ -318,7 +318,7 @@ class Simulation:
         if road is not None:
             # Before points are looked up for the last step, to which a stretch that is cut short never comes.
             carried = max(ahead.done - 1, 0)  # nothing is run where something has come due meanwhile
-            hit = self._carry(ahead, 0, carried)
+            hit = self._carry(self._stretches.columns(ahead, 0, carried), 0, carried)
             if hit and not self._carrier.collisions():
                 ahead, hit, carried = self._stretches.again(ahead, self._step, self._step + hit), 0, hit
         done = ahead.done
@@ -332,8 +332,9 @@ class Simulation:
                 return
             if passed & PASSED_FRONT and not hit:
                 self._toes.cross(slot, self._step)
+        columns = self._stretches.columns(ahead, 0, hit or done)
         if not hit:
-            hit = self._carry(ahead, carried, done)
+            hit = self._carry(columns, carried, done)
         self._step += hit or done
         if moving and not (self._charging is not None and self._charging.stranded(moving)):
             self._moved_step = self._step
@@ -344,7 +345,7 @@ class Simulation:
             self._collided()
             return
         if moving:
-            ran = (RunSince(STEP_S, speeds) for _, speeds in self._stretches.columns(ahead, 0, hit or done))
+            ran = (RunSince(STEP_S, speeds[: hit or done]) for _, speeds in columns)
             self._compare(moving, self._observe(moving, ran))
         for slot, passed, events in bits:
             self._report(slot, passed, events)
@@ -353,9 +354,10 @@ class Simulation:
         if road is not None:
             road.tell(self._detectors)
 
-    def _carry(self, ahead: ForeseenStretch, first: int, last: int) -> int:
+    def _carry(self, columns: Sequence[tuple[str, Sequence[float]]], first: int, last: int) -> int:
         """Let the carrier run a part of a stretch; after how many steps of the stretch somebody must look, or 0."""
-        hit = self._carrier.run(self._stretches.columns(ahead, first, last), last - first)
+        part = [(unit_id, speeds[first:]) for unit_id, speeds in columns] if first else columns
+        hit = self._carrier.run(part, last - first)
         return first + hit if hit else 0
 
     def _stretch_end(self) -> int:

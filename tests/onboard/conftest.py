@@ -224,7 +224,7 @@ def granted(bench: Bench) -> Bench:
     """It has its route and has commanded the departure points."""
     assert bench.wake_at_s == DEPARTURE_S - LEAD_S
     bench.at(DEPARTURE_S - LEAD_S)
-    assert bench.said == [RouteRequest(UNIT_ID, "3>8", SECTIONS)]
+    assert bench.said == [RouteRequest(UNIT_ID, "3>8", SECTIONS, 10)]
     bench.hear(MANAGER, RouteGranted("3>8", SECTIONS, TOKEN, capabilities()))
     assert bench.said == [PointsCommand("P5", Position.NORMAL, "5", TOKEN, b"five")]
     return bench

@@ -418,7 +418,7 @@ def test_what_is_due_out_of_reach_goes_out_where_the_radio_begins_again(
 def test_timers_run_out_in_the_order_of_their_times(bench: Bench) -> None:
     """Asked late, it asks for its route first and only then finds that its time has come."""
     bench.at(DEPARTURE_S + 10.0)
-    assert bench.said == [RouteRequest(UNIT, "3>8", SECTIONS)]
+    assert bench.said == [RouteRequest(UNIT, "3>8", SECTIONS, 10)]
     assert bench.unit.state.may_leave
     assert bench.wake_at_s == pytest.approx(bench.now_s + 2.0)
 
