@@ -233,7 +233,7 @@ class CrossingsAhead:
         if not self._on_path:
             return math.inf
         rear_m = self._rear_m()
-        return min((one.end_m for one in self._on_path if one.end_m > rear_m), default=math.inf)
+        return next((one.end_m for one in self._on_path if one.end_m > rear_m), math.inf)
 
     def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
         """How the train is to each of them now, up to the first that is far ahead; None: its position is unknown."""

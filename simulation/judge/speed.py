@@ -62,6 +62,8 @@ class SpeedWatch:
 
     def __init__(self, net: NetMap, limits: TrueLimits, log: Log) -> None:
         self._edges, self._limits, self._log = net.edges, limits, log
+        on_edges = limits.on_edges.items()
+        self._lowest_mps = {edge: min(each.speed_mps for each in found) for edge, found in on_edges if found}
 
     def observe(self, t_s: float, body: Body, rail: RailWatch, ran: RunSince) -> None:
         """The train was seen; of the steps that it `ran` the one in which it was too fast by most counts."""
@@ -69,9 +71,10 @@ class SpeedWatch:
         speeds_mps = ran.speeds_mps or (body.speed_mps,)
         lower_mps = max(speeds_mps) - allowed_mps  # a limit that is not under this nothing was above
         top_mps = self._limits.tops_mps.get(body.unit_id, math.inf)
-        nearby = self._nearby(body, lower_mps)
-        if not nearby and lower_mps <= top_mps:
+        lowest_mps = [self._lowest_mps.get(edge_id, math.inf) for edge_id in (*body.left, *body.path)]
+        if lower_mps <= min(top_mps, *lowest_mps):
             return
+        nearby = self._nearby(body, lower_mps)
         worst_mps, worst_s, worst_limit_mps, speed_mps = allowed_mps, t_s, top_mps, 0.0
         front_m, after_mps = 0.0, speeds_mps[-1]
         for steps, mps in enumerate(reversed(speeds_mps)):
