@@ -79,7 +79,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     r"its crew to take it in through the portal": (Cause.ENTRY,),
     r"its crew to sign off": (Cause.SIGN_OFF,),
     r"its train to leave the line": (Cause.LEAVING,),
-    r"its unit to be switched on": (Cause.UNIT_OFF,),
+    r"its unit to be switched on|its unit: it has lost its durable state": (Cause.UNIT_OFF,),
     r"leave by people or a signal": (Cause.BY_HAND,),
     r"its unit, which is frozen": (Cause.UNIT_FROZEN,),
 }
