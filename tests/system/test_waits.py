@@ -57,7 +57,13 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     ),
     r"vehicle: ": (Cause.VEHICLE,),
     r"what takes it to ": (Cause.UNABLE,),
-    r"release of the emergency brake": (Cause.EMERGENCY, Cause.VEHICLE),
+    r"release of the emergency brake": (
+        Cause.EMERGENCY,
+        Cause.VEHICLE,
+        Cause.ARRIVAL_BY_EYE,  # braked to a stand at a mark, it waits for what any train there does
+        Cause.ANSWER,
+        *BEFORE_ITS_TIME,
+    ),
     r"the driver's (confirmation|word)": (
         Cause.ARRIVAL_BY_EYE,
         Cause.ANSWER,  # to the report by which it gives back what is behind
@@ -73,7 +79,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     r"its crew to take it in through the portal": (Cause.ENTRY,),
     r"its crew to sign off": (Cause.SIGN_OFF,),
     r"its train to leave the line": (Cause.LEAVING,),
-    r"its unit to be switched on": (Cause.UNIT_OFF,),
+    r"its unit to be switched on|its unit: it has lost its durable state": (Cause.UNIT_OFF,),
     r"leave by people or a signal": (Cause.BY_HAND,),
     r"its unit, which is frozen": (Cause.UNIT_FROZEN,),
 }
