@@ -94,7 +94,7 @@ def test_equipment_for_so_many_trains_is_a_scenario_with_a_proof(main: Callable[
     words = ("best", "equipment", WEEKDAY, "--trains", "2.5", "--without", "limits", "--without", "blocks")
     found = main(*words, "--out", "loop.toml", "--proof", "why.json")
     assert found.code == 0, found.err
-    assert "2.5 trains an hour each way, evenly spaced, cost 100: a loop at Niita; every 1286 s" in found.out
+    assert "2.5 trains an hour each way, evenly spaced, cost 100: a loop at Niita; every 1287 s" in found.out
     assert main("check", "loop.toml").code == 0
     assert main(*words, "--check", "why.json").code == 0
 
