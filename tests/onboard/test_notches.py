@@ -132,6 +132,16 @@ def test_it_holds_its_speed_without_hunting(
     assert np.count_nonzero(np.diff(used)) <= 2  # never to and fro between power and brake
 
 
+def with_lower_limit(
+    from_m: int, to_m: int, permille: float, train: TrainRow, behaviour: BehaviourRow
+) -> Rows:
+    """The path's rows: 18 m/s, and 8 m/s between two places."""
+    elevation_m = np.arange(float(TRACK_M)) * permille / 1000.0
+    limits_mps = np.full(TRACK_M, 18.0)
+    limits_mps[from_m:to_m] = 8.0
+    return pattern_of(elevation_m, np.zeros(elevation_m.size), limits_mps, train, behaviour).view(np.recarray)
+
+
 @A_FIFTH
 @given(permille=st.floats(-20.0, 20.0), load_share=st.floats(0.0, 1.0), bound_m=st.floats(0.5, 40.0))
 def test_it_is_down_to_a_lower_limit_in_time(
@@ -143,11 +153,8 @@ def test_it_is_down_to_a_lower_limit_in_time(
     bound_m: float,
 ) -> None:
     """However wide the bound: the driver keeps clear of the intervention."""
-    board, elevation_m = boards(), np.arange(float(TRACK_M)) * permille / 1000.0
-    limits_mps = np.full(TRACK_M, 18.0)
-    limits_mps[1500:1700] = 8.0
+    board, path = boards(), with_lower_limit(1500, 1700, permille, train, behaviour)
     board.unit.bound_ahead_m, board.unit.bound_growth = bound_m, 0.0
-    path = pattern_of(elevation_m, np.zeros(elevation_m.size), limits_mps, train, behaviour).view(np.recarray)
     course = drive_along(board, path, permille, load_share, 15.0, 1800)
     for position_m, speed_mps in zip(course.position_m, course.speed_mps, strict=True):
         if 1500.0 <= position_m <= 1700.0 + train.length_m:
@@ -167,13 +174,10 @@ def test_it_speeds_up_again_when_its_rear_has_surely_left_the_limit(
     bound_m: float,
 ) -> None:
     """It believes itself ahead by all of its bound; supervision has nothing to do, and it does not dawdle beyond."""
-    board, elevation_m = boards(), np.arange(float(TRACK_M)) * permille / 1000.0
-    limits_mps = np.full(TRACK_M, 18.0)
-    limits_mps[1000:1201] = 8.0
+    board, path = boards(), with_lower_limit(1000, 1201, permille, train, behaviour)
     board.unit.position_m += bound_m
     board.unit.bound_ahead_m = board.unit.bound_behind_m = bound_m
     board.unit.bound_growth = 0.0
-    path = pattern_of(elevation_m, np.zeros(elevation_m.size), limits_mps, train, behaviour).view(np.recarray)
     course = drive_along(board, path, permille, load_share, 15.0, 3000)
     positions_m, speeds_mps = np.array(course.position_m), np.array(course.speed_mps)
     within = (positions_m > 1000.0) & (positions_m < 1200.0 + train.length_m)
