@@ -442,6 +442,7 @@ class UnitMotion:
             self._run_on_sight(command)
         else:
             self._run(command, now_s)
+        row.look_s, row.look_before_m = command.look_s, self.crossings.start_m(command.unless_on)
         self._found = False
         row.position_trigger_m = math.inf if self._pace.timed is None else self._pace.timed.position_m
         row.position_trigger_m = min(row.position_trigger_m, self._fixes.ask_m)

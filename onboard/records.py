@@ -21,7 +21,9 @@ EVENT_SAFE_REAR: Final = 2  # the safe rear end passed `rear_trigger_m`
 EVENT_INTERVENTION: Final = 4  # supervision began or ended a brake application
 EVENT_TAG_OVERDUE: Final = 8  # the expected tag was not read within its window
 EVENT_MOVING: Final = 16  # the train began to move
-EVENT_POSITION: Final = 32  # the position passed `position_trigger_m`
+EVENT_POSITION: Final = (
+    32  # the position passed `position_trigger_m`, or had not passed `look_before_m` in time
+)
 EVENT_TACHOMETER: Final = 64  # the tachometer shows what cannot be
 EVENT_VERDICT: Final = 128  # the stop at the mark has turned out impossible: `stop_verdict`
 EVENT_OFF_PLAN: Final = 512  # the train is off its plan by more than `replan_s`
@@ -128,6 +130,8 @@ class UnitRow(Protocol):
     emergency: int
     rear_trigger_m: float
     position_trigger_m: float
+    look_s: Annotated[float, "by its clock: it looks then, if its front is not surely beyond `look_before_m`"]
+    look_before_m: float
     # where this train's rows of the path database begin, and how many there are
     path_offset: int
     path_rows: int

@@ -93,4 +93,8 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
     if unit.position_m >= unit.position_trigger_m:
         unit.position_trigger_m = np.inf
         events |= EVENT_POSITION
+    if sensed.now_s >= unit.look_s:
+        unit.look_s = np.inf
+        if unit.position_m - unit.bound_behind_m < unit.look_before_m:
+            events |= EVENT_POSITION
     return events

@@ -77,16 +77,17 @@ class Cabs:
         self._look(slot, step)
         if self._one_timer and self._answers[slot] > number:
             return  # what it has been told since has set its timer
-        self._wakes.discard(slot)
-        if self._one_timer:
+        wake_s, was_step = answer.wake_at_s, self._timer_steps.get(slot)
+        (self._wakes.discard if wake_s is None else self._wakes.add)(slot)
+        wake_step = None if wake_s is None else max(step_not_before(wake_s), step + 1)
+        if wake_step == was_step:
+            return
+        if self._one_timer and was_step is not None:
             self._agenda.withdraw(AgendaKind.UNIT_TIMER, stock_id, step)
-            self._timer_steps.pop(slot, None)
-        if answer.wake_at_s is not None:
-            self._wakes.add(slot)
-            wake_step = max(step_not_before(answer.wake_at_s), step + 1)
-            if self._timer_steps.get(slot) != wake_step:
-                self._timer_steps[slot] = wake_step
-                self._agenda.put(wake_step, AgendaKind.UNIT_TIMER, stock_id)
+            del self._timer_steps[slot]
+        if wake_step is not None:
+            self._timer_steps[slot] = wake_step
+            self._agenda.put(wake_step, AgendaKind.UNIT_TIMER, stock_id)
 
     def _look(self, slot: int, step: int) -> None:
         """Stops are booked by the truth; the crew of a train on the line looks at its display and at the line."""

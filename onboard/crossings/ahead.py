@@ -167,6 +167,7 @@ class CrossingsAhead:
         self._starts_m: dict[str, float] = {}
         self._mission: Mission | None = None
         self._front_m = 0.0
+        self._behind: set[str] = set()  # of which the unit has been told so
         settings = behaviour.settings
         self._beyond_mps: Final = float(settings.driving_margin_mps + settings.service_margin_mps)
         self._top_mps = 1.0
@@ -177,6 +178,7 @@ class CrossingsAhead:
         """Another path; what of a crossing is under the train and not on this path stays under it."""
         before, was = self._on_path, self._mission
         self._mission = mission
+        self._behind.clear()
         self._predicted.clear()
         if not self._by_radio:
             return
@@ -224,28 +226,39 @@ class CrossingsAhead:
         gone_m = -math.inf
         return CrossingOnPath(one.crossing, ends_m[0], ends_m[1] if within else gone_m, 0, 0)
 
+    def start_m(self, crossing_id: str) -> float:
+        """Where the road of a crossing begins on the path, m; infinite: it is none of this path."""
+        return self._starts_m.get(crossing_id, math.inf)
+
     def nearer(self, limit_m: float, crossing_id: str) -> float:
         """The movement limit, m: as it is, or before this crossing if that comes first; empty: before none."""
-        return min(limit_m, self._starts_m.get(crossing_id, math.inf) - STOPS_SHORT_M)
+        return min(limit_m, self.start_m(crossing_id) - STOPS_SHORT_M)
 
     def clears_at_m(self) -> float:
         """Where the safe rear leaves the first crossing that it has not left, m; infinite: there is none."""
-        if not self._on_path:
-            return math.inf
-        rear_m = self._rear_m()
-        return next((one.end_m for one in self._on_path if one.end_m > rear_m), math.inf)
+        rear_m = self._rear_m() if self._on_path else math.inf
+        for one in self._on_path:
+            if one.end_m > rear_m:
+                return one.end_m
+        return math.inf
 
     def places(self, load_share: float) -> tuple[CrossingPlace, ...] | None:
-        """How the train is to each of them now, up to the first that is far ahead; None: its position is unknown."""
+        """How the train is to each of them now, up to the first that is far ahead, and once to each that has come to be
+        behind it; None: its position is unknown.
+        """
         row, mission = self._row, self._mission
         if mission is None or not row.position_known:
             return None
         self._front_m, rear_m = float(row.position_m), self._rear_m()
         found: list[CrossingPlace] = []
         for one in self._on_path:
+            crossing_id = one.behind.crossing_id
             if one.end_m <= rear_m:
-                found.append(one.behind)
+                if crossing_id not in self._behind:
+                    self._behind.add(crossing_id)
+                    found.append(one.behind)
                 continue
+            self._behind.discard(crossing_id)
             found.append(self._place(one, mission, load_share))
             if found[-1].fastest_s > self._looks_s:
                 break

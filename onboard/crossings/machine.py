@@ -215,21 +215,41 @@ def wake_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> flo
             return view.said_s + REPEAT_S
 
 
+def ends_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> float:
+    """When to look again unless the front is surely there by then, s: by a proof that holds until it should be, nothing
+    is to be said on the road but, now and then, that the train still is. Infinite: `wake_s` counts wherever it is.
+    """
+    if view.phase is not CrossingPhase.PROVEN or place is None or place.under or not view.answered:
+        return math.inf
+    asks_s = _again_s(view, place, now_s)
+    return asks_s if _holds(view, place, now_s) and may_pass(view, place, now_s) else math.inf
+
+
+def still_s(view: CrossingView) -> float:
+    """When it is to hear at the latest that the train still comes, s."""
+    return view.said_s + STILL_S
+
+
+def _holds(view: CrossingView, place: CrossingPlace, now_s: float) -> bool:
+    """Whether a proof holds until the front is there, as it should come."""
+    return now_s + place.arrives_s + ENTERS_S < view.until_s
+
+
 def _asked_in_s(place: CrossingPlace) -> float:
     """When the crossing is to be asked, s from now; infinite: it does not come there before something happens."""
-    return place.due_s if place.due_s > ABOUT_S else math.inf
+    due_s = place.due_s
+    return due_s if due_s > ABOUT_S else math.inf
 
 
 def _again_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> float:
     """When what was said is to be said again, s."""
-    soonest_s, still_s = view.said_s + REPEAT_S, view.said_s + STILL_S
+    soonest_s = view.said_s + REPEAT_S
     if view.phase is CrossingPhase.PASSING or place is None:
-        return still_s
+        return still_s(view)
     if not view.answered:
         return soonest_s
     if view.phase is CrossingPhase.PROVEN:
-        holds = now_s + place.arrives_s + ENTERS_S < view.until_s  # until the front is there
-        return max(soonest_s, view.until_s - (REPEAT_S if holds else HOLDS_YET_S))
+        return max(soonest_s, view.until_s - (REPEAT_S if _holds(view, place, now_s) else HOLDS_YET_S))
     warns_s = now_s + place.warns_s
     if now_s < view.begins_s and abs(warns_s - view.begins_s) > CHANGED_S:
         return soonest_s if place.stands else now_s
@@ -237,7 +257,7 @@ def _again_s(view: CrossingView, place: CrossingPlace | None, now_s: float) -> f
     if view.said_s < warns_s - EARLY_S - ABOUT_S and now_s < last_look_s:
         return last_look_s
     proves_s = warns_s + place.closing_s + PROOF_LATE_S
-    return min(still_s, proves_s if view.said_s < proves_s else view.said_s + REFRESH_S)
+    return min(still_s(view), proves_s if view.said_s < proves_s else view.said_s + REFRESH_S)
 
 
 def _asks(view: CrossingView, place: CrossingPlace | None, now_s: float) -> CrossingStep:

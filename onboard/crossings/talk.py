@@ -10,7 +10,6 @@ from msgspec.structs import replace
 
 from onboard import notes
 from onboard.crossings.machine import (
-    HELD_FROM_S,
     CreepAllowed,
     CrossingAnswered,
     CrossingBooted,
@@ -22,9 +21,11 @@ from onboard.crossings.machine import (
     CrossingSeen,
     CrossingUnplaced,
     CrossingView,
+    ends_s,
     may_pass,
     starts_too_soon,
     step,
+    still_s,
     wake_s,
 )
 from onboard.duty.records import DutyPhase, DutyState
@@ -66,7 +67,7 @@ class CrossingTalk:
         self._announced: dict[str, None] = {}  # who has heard of it, or is yet to hear that it is over
         self._live: list[str] = []  # those that matter: ahead or announced
         self.creeps = False  # the train runs on sight over a crossing that has not proved closed
-        self._held: tuple[float, str] | None = None  # what `held_before` has found, and when
+        self._held: tuple[float, tuple[str, str]] | None = None  # what `_first_closed` has found, and when
 
     def look(
         self, places: Sequence[CrossingPlace] | None, state: DutyState, leaves_in_s: float, now_s: float
@@ -126,21 +127,23 @@ class CrossingTalk:
 
     def held_before(self, now_s: float) -> str:
         """The first crossing that the front may not go onto; empty: none."""
-        if self._held is None or self._held[0] != now_s:
-            self._held = (now_s, self._first_closed(now_s, HELD_FROM_S))
-        return self._held[1]
+        return self._first_closed(now_s)[0]
 
     def guarded(self, now_s: float) -> str:
         """The same, however far ahead it is: a unit that acts no more, as frozen, is stopped before it."""
-        return self._first_closed(now_s, math.inf)
+        return self._first_closed(now_s)[1]
 
-    def _first_closed(self, now_s: float, held_from_s: float) -> str:
-        closed = [
-            place
-            for crossing_id, place in self._places.items()
-            if not may_pass(self._views[crossing_id], place, now_s, held_from_s)
-        ]
-        return min(closed, key=lambda place: place.fastest_s).crossing_id if closed else ""
+    def _first_closed(self, now_s: float) -> tuple[str, str]:
+        if self._held is None or self._held[0] != now_s:
+            views = self._views
+            closed = [
+                place
+                for crossing_id, place in self._places.items()
+                if not may_pass(views[crossing_id], place, now_s, math.inf)
+            ]
+            near = [place for place in closed if not may_pass(views[place.crossing_id], place, now_s)]
+            self._held = (now_s, (_first(near), _first(closed)))
+        return self._held[1]
 
     def start_held_by(self, now_s: float) -> str:
         """The crossing so near that a train that stands does not start for it, or of which its departure is to warn;
@@ -164,18 +167,36 @@ class CrossingTalk:
             return ""
         return place.crossing_id if self._goes_on and math.isfinite(place.arrives_s) else ""
 
-    def wake_s(self, now_s: float) -> float:
-        """When to look again; infinite: not before something happens."""
+    def proof_ends(self, now_s: float) -> tuple[float, str]:
+        """When to look again, s, if the front is not surely on this crossing by then; infinite, empty: at none."""
+        ends = (math.inf, "")
+        for crossing_id in self._live:
+            view = self._views[crossing_id]
+            if view.phase is CrossingPhase.PROVEN:
+                ends = min(ends, (ends_s(view, self._places.get(crossing_id), now_s), crossing_id))
+        return ends
+
+    def wake_s(self, now_s: float, unless_on: str) -> float:
+        """When to look again wherever the train is then; infinite: not before something happens. `unless_on`: the
+        crossing of `proof_ends`.
+        """
         seen = self._places
         if not seen:
             said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
         views = self._views
-        return min([wake_s(views[id_], seen.get(id_), now_s) for id_ in self._live], default=math.inf)
+        wakes_s = [
+            still_s(views[id_]) if id_ == unless_on else wake_s(views[id_], seen.get(id_), now_s)
+            for id_ in self._live
+        ]
+        return min(wakes_s, default=math.inf)
 
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
-        before, self._held = self._views[crossing_id], None
+        before = self._views[crossing_id]
         after, actions = step(before, event, now_s)
+        if after is before and not actions:
+            return
+        self._held = None
         self._views[crossing_id] = after
         if after.phase is CrossingPhase.AHEAD:
             self._announced.pop(crossing_id, None)
@@ -191,6 +212,10 @@ class CrossingTalk:
                 self.letters.append(CrossingLetter(crossing_id, action, correlation))
             else:
                 self.notes.append(action)
+
+
+def _first(places: Sequence[CrossingPlace]) -> str:
+    return min(places, key=lambda place: place.fastest_s).crossing_id if places else ""
 
 
 def _as_it_runs(place: CrossingPlace, state: DutyState, leaves_in_s: float) -> CrossingPlace:

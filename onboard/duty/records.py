@@ -7,6 +7,7 @@ process of its own.
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from typing import Final
 
@@ -372,6 +373,7 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     sight; `confirm`: the driver is asked whether the whole train is at its mark; `unable`: told why the train may not
     leave. `before_crossing`: the level crossing before which the limit lies, `guarded`: that at which it must lie
     should nobody say more, `at_crossing`: the one that keeps it standing; `creeps`: over one on sight;
+    `look_s`: when, by its clock, it is to look again if its front is not surely on `unless_on` by then.
     `within_section`: on sight, no further than the end of that where it stands. `orders` are given once.
     """
 
@@ -397,3 +399,5 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     guarded: str = ""
     at_crossing: str = ""
     creeps: bool = False
+    unless_on: str = ""
+    look_s: float = math.inf

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from operator import is_
 from typing import Final
 
 from network.model import CrossingControl, LevelCrossing, Line
@@ -154,12 +155,17 @@ class CrossingLookout:
         self._paths: dict[int, Path] = {}
         self._ahead: dict[int, list[CrossingPlaceAhead]] = {}
         self._front_m: dict[int, float] = {}
+        self._active, self._taken = list[int](), list[Path | None]()  # who is on the line, and on which path
 
     def follow(self) -> list[int]:
         """Take up the paths that trains are on by now, and let the kernel know of what comes next on each; who is
         looked at.
         """
         active = self._trains.active() if self._crossings else []
+        paths = self._trains.paths
+        if active == self._active and all(map(is_, paths, self._taken)):
+            return active
+        self._active, self._taken = active, [*paths]
         for slot in active:
             if self._paths.get(slot) is not self._trains.paths[slot]:
                 self._follow(slot)

@@ -179,14 +179,18 @@ class WaysideWorld:
             self._output(step, output)
         for destination, data in done.telegrams:
             self.transmit(step, device_id, destination, data)
-        if device_id in self.crossings.equipment and self._wakes.pop(device_id, step) > step:
-            self._agenda.withdraw(AgendaKind.TO_DEVICE, device_id, step)
+        wake_step, was_step = None, self._wakes.get(device_id, step)
         if done.wake_at_s is not None:
             wake_at_s = self._clocks.get(device_id, RIGHT).true_s(done.wake_at_s)
             wake_step = max(step_not_before(wake_at_s), step + 1)
-            if self._wakes.get(device_id) != wake_step:
-                self._wakes[device_id] = wake_step
-                self._agenda.put(wake_step, AgendaKind.TO_DEVICE, device_id)
+        if was_step == wake_step:
+            return
+        if device_id in self.crossings.equipment and was_step > step:
+            self._agenda.withdraw(AgendaKind.TO_DEVICE, device_id, step)
+            del self._wakes[device_id]
+        if wake_step is not None:
+            self._wakes[device_id] = wake_step
+            self._agenda.put(wake_step, AgendaKind.TO_DEVICE, device_id)
 
     def _output(self, step: int, output: Output) -> None:
         if isinstance(output, CloseCrossing | OpenCrossing):

@@ -68,7 +68,7 @@ def _by_unit(entries: Iterable[JournalEntry], into: dict[str, list[JournalEntry]
     for entry in entries:
         if not is_of_crossing(entry.event):
             into[subject_of(entry)].append(entry)
-        yield entry
+            yield entry
 
 
 class _Finder:

@@ -56,6 +56,22 @@ def test_the_position_trigger_fires_once(board: BoardRow, track: Callable[..., R
     assert unit.position_trigger_m == np.inf
 
 
+@pytest.mark.parametrize(("behind_m", "events"), [(0.2, [0, 0, 0]), (0.6, [0, EVENT_POSITION, 0])])
+def test_it_looks_again_in_time_unless_its_front_is_surely_on_the_road(
+    board: BoardRow, track: Callable[..., Rows], behind_m: float, events: list[int]
+) -> None:
+    """The road begins at 101 m. At 5 s its front is at 101.5 m, by a bound of 0.2 m surely on it, of 0.6 m not."""
+    path, unit = track(np.zeros(1000)), board.unit
+    unit.path_rows, unit.look_s, unit.look_before_m, unit.speed_mps = path.size, 5.0, 101.0, 5.0
+    unit.bound_behind_m, unit.bound_growth = behind_m, 0.0
+    seen = []
+    for metres, now_s in ((1.0, 4.9), (1.5, 5.0), (1.6, 5.1)):
+        shown = sensed(metres, 5.0)
+        shown.now_s = now_s
+        seen.append(tick(board, shown, Chart(path, NO_PLACES), NO_PLAN))
+    assert seen == events
+
+
 def test_two_trains_use_their_own_rows_of_one_path_database(
     board: BoardRow, track: Callable[..., Rows]
 ) -> None:

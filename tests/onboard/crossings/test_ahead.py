@@ -101,6 +101,9 @@ def test_it_clears_when_its_safe_rear_does(ahead: CrossingsAhead) -> None:
     assert not place_at(ahead, 435.9).clear
     assert place_at(ahead, 436.0).clear
     assert ahead.clears_at_m() == math.inf
+    assert ahead.places(0.0) == ()  # it has been told
+    assert not place_at(ahead, 435.0).clear
+    assert place_at(ahead, 436.0).clear
 
 
 def test_what_is_under_the_train_stays_under_it_when_it_turns(ahead: CrossingsAhead, back: Mission) -> None:

@@ -23,6 +23,7 @@ from onboard.crossings.machine import (
     CrossingSeen,
     CrossingUnplaced,
     CrossingView,
+    ends_s,
     may_pass,
     starts_too_soon,
     step,
@@ -219,6 +220,26 @@ def test_a_proof_that_would_end_too_soon_is_asked_for_three_times() -> None:
         view, said = step(view, CrossingSeen(NEAR), tenth / 10.0)
         said_s += [tenth / 10.0] * bool(said)
     assert said_s == [6.0, 8.0, 10.0]
+
+
+def test_by_a_proof_that_lasts_it_looks_again_where_its_front_is_not_on_the_road_by_then() -> None:
+    """It should be there at 9 s, and by a proof until 12.5 s may come 3 s later; that until 11.9 s is asked for again
+    wherever it is, as is one that has not been answered.
+    """
+    soon = replace(NEAR, arrives_s=9.0, fastest_s=8.0, proof_s=-1.0)
+    old = replace(PROVEN_VIEW, since_s=-20.0)
+    assert ends_s(replace(old, until_s=12.5), soon, 0.0) == 10.5
+    for view, place in (
+        (replace(old, until_s=11.9), soon),
+        (replace(old, until_s=12.5, answered=False), soon),
+        (
+            replace(old, until_s=12.5, since_s=0.0),
+            soon,
+        ),  # not closed for its least time when it could be there
+        (replace(old, until_s=12.5), ON_IT),
+        (replace(old, until_s=12.5, phase=PASSING), soon),
+    ):
+        assert ends_s(view, place, 0.0) == math.inf
 
 
 def test_a_crossing_that_persons_free_hears_twice_of_a_train_on_it() -> None:

@@ -137,6 +137,19 @@ def test_a_road_far_ahead_ends_nothing_but_what_a_unit_that_acts_no_more_may_run
     assert near.guarded(1.0) == ""
 
 
+def test_of_two_roads_that_are_proven_it_looks_at_the_second_wherever_it_is() -> None:
+    """Proven to 14.5 s and 15.5 s, it is there at 9 s and 10 s: at 12.5 s it looks if it is not on the first."""
+    roads = [replace(NEAR, crossing_id=id_, least_s=0.0, fastest_s=1.0, proof_s=-1.0) for id_ in "CD"]
+    talk = CrossingTalk(forgot=False)
+    talk.look(roads, RUNS, math.inf, 0.0)
+    for at, valid_s in (("C", 14.5), ("D", 15.5)):
+        talk.hear(replace(heard(CrossingProof(True, valid_s), 1), source=at), 0.0)
+    talk.look([replace(road, arrives_s=9.0 + n) for n, road in enumerate(roads)], RUNS, math.inf, 0.0)
+    assert talk.proof_ends(0.0) == (12.5, "C")
+    assert talk.wake_s(0.0, "C") == 13.5
+    assert talk.wake_s(0.0, "") == 12.5
+
+
 def test_at_a_stop_the_time_counts_from_its_departure() -> None:
     """It leaves in 1 s: 41 s are just in time to ask."""
     talk = CrossingTalk(forgot=False)
