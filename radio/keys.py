@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import hmac
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Final
 
 import msgspec
@@ -31,7 +32,15 @@ def hkdf(master: bytes, info: bytes, length: int = KEY_BYTES, salt: bytes = b"")
 
 def mac(key: bytes, data: bytes) -> bytes:
     """HMAC-SHA256 of `data`, its first 16 bytes."""
-    return hmac.digest(key, data, hashlib.sha256)[:MAC_BYTES]
+    begun = _keyed(key).copy()
+    begun.update(data)
+    return begun.digest()[:MAC_BYTES]
+
+
+@lru_cache(maxsize=4096)
+def _keyed(key: bytes) -> hmac.HMAC:
+    """What is the same for all that goes under one key: half of the time that a telegram's code takes."""
+    return hmac.new(key, digestmod=hashlib.sha256)
 
 
 def mac_equal(left: bytes, right: bytes) -> bool:

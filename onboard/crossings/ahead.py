@@ -43,18 +43,19 @@ STARTS_MPS2: Final = 1.0  # assumed: no train here gains more from a stand
 
 
 class PredictedArrival(NamedTuple):
-    """When the front would be on a crossing, s from when it was at `front_m`, m, and what that was predicted with."""
+    """When the front would be on a crossing, s from when it was at `front_m`, m, at `speed_mps`."""
 
     arrives_s: float
     front_m: float
     speed_mps: float
-    cruise_mps: float
 
-    def at(self, front_m: float, speed_mps: float, cruise_mps: float) -> float | None:
+    def at(self, front_m: float, speed_mps: float) -> float | None:
         """The time from a place a little further on, s; None: it is to be predicted anew."""
         run_m, mean_mps = front_m - self.front_m, 0.5 * (speed_mps + self.speed_mps)
-        holds = cruise_mps == self.cruise_mps and 0.0 <= run_m <= mean_mps * AGES_S
-        return self.arrives_s - (run_m / mean_mps if run_m > 0.0 else 0.0) if holds else None
+        runs = 0.0 < run_m <= mean_mps * AGES_S and speed_mps > 0.0
+        if runs or (run_m == 0.0 and speed_mps == self.speed_mps):
+            return self.arrives_s - (run_m / mean_mps if runs else 0.0)
+        return None
 
 
 def begins_beyond_contact(crossing: LevelCrossing, mission: Mission) -> bool:
@@ -160,7 +161,7 @@ class CrossingsAhead:
         record: Any = train
         self._train: Final[NDArray[np.void]] = np.frombuffer(record, record.dtype)
         self._length_m: Final = float(train.length_m)
-        self._predicted: dict[str, PredictedArrival] = {}
+        self._predicted: dict[tuple[str, float, bool], PredictedArrival] = {}  # by crossing and how it runs
         self._deceleration_mps2: Final = float(behaviour.settings.stop_deceleration_mps2)
         self._pace: Final = pace
         self._on_path: tuple[CrossingOnPath, ...] = ()
@@ -275,9 +276,11 @@ class CrossingsAhead:
             brakes_s = self._brakes_s(one.start_m, way_m, cruise_mps)
             asked_s = max(behind.warning_s, behind.closing_s + brakes_s) + EARLY_S
             if arrives_s <= asked_s + CLOSELY_S:
-                arrives_s = self._arrives_s(one, mission, load_share, ahead_m, cruise_mps)
+                arrives_s = self._arrives_s(
+                    one, mission, load_share, ahead_m, self._pace.driving_mps, cruise_mps
+                )
             if fastest_s < behind.least_s:
-                fastest_s = self._run_s(one, mission, load_share, ahead_m, self._fastest_mps, math.inf)
+                fastest_s = self._arrives_s(one, mission, load_share, ahead_m, self._fastest_mps, math.inf)
             proof_s = arrives_s - brakes_s
         return msgspec.structs.replace(
             behind,
@@ -292,19 +295,6 @@ class CrossingsAhead:
         )
 
     def _arrives_s(
-        self, one: CrossingOnPath, mission: Mission, load_share: float, from_m: float, cruise_mps: float
-    ) -> float:
-        """Until the front is on the crossing by the run that it means, s."""
-        speed_mps = float(self._row.speed_mps)
-        known = self._predicted.get(one.crossing.id)
-        found_s = None if known is None else known.at(from_m, speed_mps, cruise_mps)
-        if found_s is None:
-            found_s = self._run_s(one, mission, load_share, from_m, self._pace.driving_mps, cruise_mps)
-            found = PredictedArrival(found_s, from_m, speed_mps, cruise_mps)
-            self._predicted[one.crossing.id] = found
-        return found_s
-
-    def _run_s(
         self,
         one: CrossingOnPath,
         mission: Mission,
@@ -314,10 +304,16 @@ class CrossingsAhead:
         cruise_mps: float,
     ) -> float:
         """Until the front is on the crossing, s, on its run to the next stop behind it."""
+        fastest = limit_mps is self._fastest_mps
+        speed_mps, key = float(self._row.speed_mps), (one.crossing.id, cruise_mps, fastest)
+        known = self._predicted.get(key)
+        found_s = None if known is None else known.at(from_m, speed_mps)
+        if found_s is not None:
+            return found_s
         following = one.stop + 1
         stop_m = mission.targets[following].mark_m if following < len(mission.targets) else math.inf
         stop_m = max(min(stop_m, len(limit_mps) - 1.0), one.start_m)
-        return _arrives_s(
+        found_s = _arrives_s(
             self._train,
             load_share,
             self._pace.climb_m,
@@ -326,9 +322,11 @@ class CrossingsAhead:
             stop_m,
             cruise_mps,
             self._deceleration_mps2,
-            float(self._row.speed_mps),
+            speed_mps,
             one.start_m,
         )
+        self._predicted[key] = PredictedArrival(found_s, from_m, speed_mps)
+        return found_s
 
     def _brakes_s(self, start_m: float, way_m: float, cruise_mps: float) -> float:
         """How long before the crossing a train at its speed there would begin to brake for it, s."""

@@ -135,14 +135,10 @@ class CrossingTalk:
 
     def _first_closed(self, now_s: float) -> tuple[str, str]:
         if self._held is None or self._held[0] != now_s:
-            views = self._views
-            closed = [
-                place
-                for crossing_id, place in self._places.items()
-                if not may_pass(views[crossing_id], place, now_s, math.inf)
-            ]
-            near = [place for place in closed if not may_pass(views[place.crossing_id], place, now_s)]
-            self._held = (now_s, (_first(near), _first(closed)))
+            views, places = self._views, self._places.items()
+            near = (id_ for id_, place in places if not may_pass(views[id_], place, now_s))
+            any_ = (id_ for id_, place in places if not may_pass(views[id_], place, now_s, math.inf))
+            self._held = (now_s, (next(near, ""), next(any_, "")))
         return self._held[1]
 
     def start_held_by(self, now_s: float) -> str:
@@ -212,10 +208,6 @@ class CrossingTalk:
                 self.letters.append(CrossingLetter(crossing_id, action, correlation))
             else:
                 self.notes.append(action)
-
-
-def _first(places: Sequence[CrossingPlace]) -> str:
-    return min(places, key=lambda place: place.fastest_s).crossing_id if places else ""
 
 
 def _as_it_runs(place: CrossingPlace, state: DutyState, leaves_in_s: float) -> CrossingPlace:

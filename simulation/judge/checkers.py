@@ -38,6 +38,7 @@ from simulation.events import (
     ProofDropped,
     Proven,
     Reported,
+    Sent,
     Started,
     TakenBack,
     TookEffect,
@@ -320,6 +321,8 @@ class Checkers:
         if self._changed and entry.t_s > self._changed_s:
             self._judge_changes()
         t_s, who, event = entry.t_s, entry.who, entry.event
+        if isinstance(event, Sent):  # what has not been heard changes nothing
+            return
         self._pilots.see(event)
         self._crossings.see(entry, self._bodies.values())
         if isinstance(event, CutIn) and event.unit_id in self._bodies:  # as where it was put on the line
