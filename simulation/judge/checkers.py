@@ -16,6 +16,7 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
+from radio.noted import Sent
 from simulation.events import (
     MANAGER,
     WORLD,
@@ -38,7 +39,6 @@ from simulation.events import (
     ProofDropped,
     Proven,
     Reported,
-    Sent,
     Started,
     TakenBack,
     TookEffect,
