@@ -22,7 +22,11 @@ class TooShort(ValueError):  # noqa: N818 - it says what is wrong, as a reader w
 
 
 class NotFound(TooShort):
-    """So little above the least running time that the mesh holds no run of it."""
+    """The mesh holds no run of that time: so little above the least, or so slow over humps within its stretches."""
+
+    def __init__(self, time_s: float, least_s: float) -> None:
+        super().__init__(time_s, least_s)
+        self.args = (f"no run of {time_s:.2f} s was found; the least running time is {least_s:.2f} s",)
 
 
 class EndsNotKept(NotFound):
