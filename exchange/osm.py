@@ -72,7 +72,6 @@ class _Source:
     cut: int = 0
     left: Counter[str] = field(default_factory=Counter)
     places_of: dict[str, list[tuple[str, float]]] = field(default_factory=lambda: defaultdict(list))
-    sense_of: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
 def read_osm(path: Path) -> ForeignLayout:

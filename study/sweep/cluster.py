@@ -106,13 +106,10 @@ class ClusterPump:
         )
 
     def _result(self, future: Future) -> bytes:
-        """What a worker has sent back, by way of the scheduler; the day itself is on disk by now.
-
-        What a scheduler had is cancelled as the client loses it, and stays so when it is found again.
-        """
+        """What a worker has sent back, by way of the scheduler; the day itself is on disk by now."""
         try:
             return future.result()
-        except (OSError, CancelledError) as error:
+        except (OSError, CancelledError) as error:  # all is cancelled as the client loses it, for good
             raise self._gone() from error
 
     def _gone(self) -> GivenUpError:

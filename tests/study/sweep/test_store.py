@@ -15,17 +15,9 @@ from study.sweep.plan import load_plan
 from study.sweep.store import NotSharedError, check_shared, opened_sweep
 from study.sweep.table import days_csv
 from study.sweep.worker import Task, run_task
+from tests.study.sweep.conftest import DRAW
 from tests.study.sweep.here import OneByOne, swept, table
 from tests.study.sweep.planted import control_of
-
-DRAW = """
-[[draw]]
-name = "shortest_stop"
-key = "unit.dwell_min_s"
-distribution = "uniform"
-low = 20.0
-high = 40.0
-"""
 
 
 def days(out: Path) -> list[Path]:
