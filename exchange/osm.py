@@ -294,9 +294,8 @@ def _milestones(source: _Source, done: Merged) -> Iterator[Milestone]:
     for node in source.nodes.values():
         if node.tags.get("railway") != "milestone":
             continue
-        km = _kilometres(node.tags.get("railway:position:exact")) or _kilometres(
-            node.tags.get("railway:position")
-        )
+        texts = (node.tags.get(f"railway:position{exact}") for exact in (":exact", ""))
+        km = next((km for text in texts if (km := _kilometres(text)) is not None), None)
         here = _on_track(source, done, node.id)
         if km is None or here is None:
             source.left["milestone without a kilometrage or beside the tracks"] += 1
