@@ -20,6 +20,7 @@ import psutil
 from console.aside import served
 from console.protocol import SetPace
 from scenario.scenario import Scenario, load_scenario
+from study.evaluate.afresh import budget_of
 from study.runner.run import simulation_of
 
 FACTOR: Final = 10.0
@@ -108,21 +109,15 @@ def _figures(
     least = min(float(str(row["updates_a_s"])) for row in rows)
     most = max(float(str(row["kB_a_s"])) for row in rows)
     budgets = [
-        {"what": f"server, share of a core ({trains} trains)", "limit": OF_A_CORE_MAX, "found": of_core},
-        {"what": "kB a second to a browser", "limit": KB_A_S_MAX, "found": most},
-        {
-            "what": "seconds between updates",
-            "limit": round(1.0 / UPDATES_A_S_MIN, 3),
-            "found": round(1.0 / least, 3),
-        },
+        budget_of(f"server, share of a core ({trains} trains)", OF_A_CORE_MAX, of_core),
+        budget_of("kB a second to a browser", KB_A_S_MAX, most),
+        budget_of("seconds between updates", round(1.0 / UPDATES_A_S_MIN, 3), round(1.0 / least, 3)),
     ]
     return {
         "scenario": scenario,
         "rounds": rounds,
         "rows": rows,
-        "budgets": [
-            each | {"kept": float(str(each["found"])) <= float(str(each["limit"]))} for each in budgets
-        ],
+        "budgets": budgets,
         "desk_of_a_core": round(statistics.median(desk for _, desk, _ in seen), 3),
         "trains": trains,
         "same_digest": same_digest,

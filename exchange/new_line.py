@@ -192,6 +192,8 @@ def _assumed(
         yield "limits of curves: the customary basic speeds of 1067 mm gauge, 3.7 sqrt(R) to the nearest 5 km/h"
     if layout.stubs:
         yield f"limits of stubs: {STUB_SPEED_KMH:g} km/h on the last track, towards its end"
+    if options.limits is not None:
+        yield "limits of the file: where it has any they count, and not those of curves and stubs"
     if options.gradients is None:
         yield "gradients: level, because no profile was joined"
     else:

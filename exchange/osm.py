@@ -72,7 +72,6 @@ class _Source:
     cut: int = 0
     left: Counter[str] = field(default_factory=Counter)
     places_of: dict[str, list[tuple[str, float]]] = field(default_factory=lambda: defaultdict(list))
-    sense_of: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
 def read_osm(path: Path) -> ForeignLayout:
@@ -295,9 +294,8 @@ def _milestones(source: _Source, done: Merged) -> Iterator[Milestone]:
     for node in source.nodes.values():
         if node.tags.get("railway") != "milestone":
             continue
-        km = _kilometres(node.tags.get("railway:position:exact")) or _kilometres(
-            node.tags.get("railway:position")
-        )
+        texts = (node.tags.get(f"railway:position{exact}") for exact in (":exact", ""))
+        km = next((km for text in texts if (km := _kilometres(text)) is not None), None)
         here = _on_track(source, done, node.id)
         if km is None or here is None:
             source.left["milestone without a kilometrage or beside the tracks"] += 1

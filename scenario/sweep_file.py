@@ -74,7 +74,10 @@ class DrawTable(Record):
     weights: Annotated[
         list[DrawnValue], Field(max_length=VALUES_MAX), about("weights of a choice; left out: all equal")
     ] = Field(default_factory=list)
-    whole: Annotated[bool, about("the value is a whole number", "assumed: most keys take any")] = False
+    whole: Annotated[
+        bool,
+        about("the value is a whole number; of uniform each is as likely", "assumed: most keys take any"),
+    ] = False
 
 
 class StopTable(Record):

@@ -1,4 +1,4 @@
-"""Figures of one run in a process of its own, which do not depend on what ran before it."""
+"""Figures of one run in a process of its own, which do not depend on what ran before it, and what they may be."""
 
 from __future__ import annotations
 
@@ -16,3 +16,8 @@ def figures_afresh(module: str, called: str, *words: str) -> dict[str, Any]:
         raise RuntimeError(f"{called} failed: {done.stderr.strip()[-500:]}")
     found: dict[str, Any] = json.loads(done.stdout)
     return found
+
+
+def budget_of(what: str, limit: float, found: float) -> dict[str, Any]:
+    """A budget, with whether it is kept."""
+    return {"what": what, "limit": limit, "found": found, "kept": found <= limit}

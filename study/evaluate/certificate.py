@@ -18,6 +18,7 @@ from typing import Any, Final
 from msgspec.structs import replace as with_fields
 
 from radio.messages import RouteRequest
+from study.evaluate.afresh import budget_of
 from study.evaluate.manager_day import AGAIN_S, ManagerDay, config_of
 from wayside.config import (
     NO_DISPATCH,
@@ -189,20 +190,11 @@ def report(scenario: str, rounds: int, rows: Sequence[dict[str, Any]], decided_u
         "same_digest": True,  # no day runs here
         "rows": list(rows),
         "budgets": [
-            {
-                "what": f"us a grant, {row['day']}",
-                "limit": US_MAX,
-                "found": row["us_a_grant"],
-                "kept": row["us_a_grant"] <= US_MAX,
-            }
-            for row in rows
-        ]
-        + [
-            {
-                "what": f"us the slowest decision by the order of {TRAINS} trains",
-                "limit": US_DECIDED_MAX,
-                "found": round(decided_us, 1),
-                "kept": decided_us <= US_DECIDED_MAX,
-            }
+            *(budget_of(f"us a grant, {row['day']}", US_MAX, row["us_a_grant"]) for row in rows),
+            budget_of(
+                f"us the slowest decision by the order of {TRAINS} trains",
+                US_DECIDED_MAX,
+                round(decided_us, 1),
+            ),
         ],
     }

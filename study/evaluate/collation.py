@@ -26,7 +26,7 @@ from simulation.settings import PositionSensor
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
-from study.evaluate.afresh import figures_afresh
+from study.evaluate.afresh import budget_of, figures_afresh
 from study.runner.run import PartyLink, execute
 
 SLOT: Final = 0
@@ -106,12 +106,10 @@ def report(found_ms: float, figures: dict[str, list[dict[str, Any]]]) -> dict[st
         }
         for what, rounds in figures.items()
     ]
-    budgets: list[dict[str, Any]] = [
-        {"what": "ms of one fix", "limit": FIX_MS_MAX, "found": round(found_ms, 4)},
-        {"what": f"{WITH} of {WITHOUT}", "limit": RATIO_MAX, "found": ratio},
+    budgets = [
+        budget_of("ms of one fix", FIX_MS_MAX, round(found_ms, 4)),
+        budget_of(f"{WITH} of {WITHOUT}", RATIO_MAX, ratio),
     ]
-    for budget in budgets:
-        budget["kept"] = budget["found"] <= budget["limit"]
     same = all(len({f["digest"] for f in rounds}) == 1 for rounds in figures.values())
     return {"rows": rows, "same_digest": same, "budgets": budgets}
 

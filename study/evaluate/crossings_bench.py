@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 from network.files.crossing_road import CrossingRoad
 from network.files.crossings import CLOSED_S, CLOSING_S
 from network.model import Coverage, CrossingClass, CrossingControl, LevelCrossing, Line, Piece
-from study.evaluate.afresh import figures_afresh
+from study.evaluate.afresh import budget_of, figures_afresh
 from study.evaluate.bench import Metered, Recorder
 
 if TYPE_CHECKING:
@@ -164,8 +164,7 @@ def report(figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
     found = round(median(RADIO, "cpu_s") / median(WITHOUT, "cpu_s"), 3)
     same = all(len({digest for one in figures[way] for digest in one["digests"]}) == 1 for way in WAYS)
     what = f"{RADIO} of {WITHOUT}"
-    budgets = [{"what": what, "limit": TRAIN_SIDE_MAX, "found": found, "kept": found <= TRAIN_SIDE_MAX}]
-    return {"rows": rows, "same_digest": same, "budgets": budgets}
+    return {"rows": rows, "same_digest": same, "budgets": [budget_of(what, TRAIN_SIDE_MAX, found)]}
 
 
 if __name__ == "__main__":

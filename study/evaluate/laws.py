@@ -17,7 +17,7 @@ from onboard.driving.laws.optimal import optimal
 from onboard.driving.laws.table import LAW_NAMES
 from scenario.law_choice import driven_by
 from scenario.scenario import load_scenario
-from study.evaluate.afresh import figures_afresh
+from study.evaluate.afresh import budget_of, figures_afresh
 from study.runner.run import PartyLink, execute
 
 COMPARED: Final = (LAW_NAMES[0], optimal.__name__)
@@ -59,8 +59,7 @@ def report(figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
         }
         for law, rounds in figures.items()
     ]
-    budget: dict[str, Any] = {"what": f"{COMPARED[1]} of {present}", "limit": RATIO_MAX, "found": ratio}
-    budget["kept"] = ratio <= RATIO_MAX
+    budget = budget_of(f"{COMPARED[1]} of {present}", RATIO_MAX, ratio)
     same = all(len({f["digest"] for f in rounds}) == 1 for rounds in figures.values())
     return {"rows": rows, "same_digest": same, "budgets": [budget]}
 

@@ -28,6 +28,7 @@ from simulation.carriers.road_shown import OPEN, CrossingShown, ObstacleDetector
 from simulation.carriers.sumo_road import SumoRoadCarrier
 from simulation.events import BarrierState
 from simulation.setup import STEP_S, STEPS_PER_S
+from study.evaluate.afresh import budget_of
 from study.evaluate.crossings_bench import crossed
 from sumo_cfg.build import net_for
 from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
@@ -252,8 +253,7 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
             tell(f"{scenario}: {rows[-1]['flow']}: {rows[-1]['difference_pct']:+.1f} %")
     worst = max(abs(row["difference_pct"]) for row in rows)
     limit = 100.0 * DIFFERENCE_MAX
-    what = "SUMO's waiting from that of deterministic queueing, %"
-    budgets = [{"what": what, "limit": limit, "found": worst, "kept": worst <= limit}]
+    budgets = [budget_of("SUMO's waiting from that of deterministic queueing, %", limit, worst)]
     return {"scenario": scenario, "rounds": rounds, "rows": rows, "budgets": budgets}
 
 

@@ -22,6 +22,7 @@ from typing import Any, Final
 from host.scratch import scratch
 from simulation.loop import Progress, Simulation
 from simulation.result import RunResult
+from study.evaluate.afresh import budget_of
 from study.record.directory import SUMMARY_FILE
 
 RUN: Final = "run, outside the day"
@@ -94,15 +95,7 @@ def report(figures: dict[str, list[float]]) -> dict[str, Any]:
         }
         for what, found in figures.items()
     ]
-    budgets = [
-        {
-            "what": f"CPU s of {what}",
-            "limit": CPU_S_MAX[what],
-            "found": median_s,
-            "kept": median_s <= CPU_S_MAX[what],
-        }
-        for what, median_s in medians.items()
-    ]
+    budgets = [budget_of(f"CPU s of {what}", CPU_S_MAX[what], found_s) for what, found_s in medians.items()]
     return {"rows": rows, "budgets": budgets}
 
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Final
 import psutil
 
 from host.scratch import scratch
-from study.evaluate.afresh import figures_afresh
+from study.evaluate.afresh import budget_of, figures_afresh
 from study.evaluate.bench import record, replay
 
 if TYPE_CHECKING:
@@ -171,10 +171,7 @@ def report(figures: dict[str, list[dict[str, Any]]], ran: dict[str, Any]) -> dic
     return {
         "rows": rows,
         "same_digest": _same([f for way in WAYS[:3] for f in figures[way]]) and ran["differ"] == 0,
-        "budgets": [
-            {"what": what, "limit": limit, "found": value, "kept": value <= limit}
-            for what, limit, value in found
-        ],
+        "budgets": [budget_of(*one) for one in found],
     }
 
 

@@ -88,9 +88,7 @@ class ClusterPump:
     def _next(self, client: Client) -> Future | None:
         """The next day that has ended; None: none for a while. Raises GivenUpError when the scheduler is gone."""
         with suppress(queue.Empty):
-            while (future := self._ended.get(timeout=LOOK_S)).status == "cancelled":
-                pass
-            return future
+            return self._ended.get(timeout=LOOK_S)
         if client.status != "running":
             raise self._gone()
         return None
@@ -111,7 +109,7 @@ class ClusterPump:
         """What a worker has sent back, by way of the scheduler; the day itself is on disk by now."""
         try:
             return future.result()
-        except (OSError, CancelledError) as error:
+        except (OSError, CancelledError) as error:  # all is cancelled as the client loses it, for good
             raise self._gone() from error
 
     def _gone(self) -> GivenUpError:

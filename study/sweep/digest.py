@@ -31,6 +31,8 @@ CODE: Final = (
     "host",
     "simulation",
     "scenario",
+    "study/outcome.py",
+    "study/feasibility",
     "study/measures",
     "study/record",
     "study/collect",

@@ -6,6 +6,7 @@ chance gives a value further out, not another one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
@@ -51,6 +52,9 @@ def check_draw(file: str, key: str, draw: DrawTable) -> None:
     low, high = draw.low, draw.high
     if low is not None and high is not None and high <= low:
         raise InputError(file, f"{key}.high", high, f"more than low = {low:g}")
+    for name, end in (("low", low), ("high", high)):
+        if draw.whole and end is not None and not end.is_integer():
+            raise InputError(file, f"{key}.{name}", end, "a whole number, as the value is to be one")
     if draw.sigma is not None and draw.sigma <= 0.0:
         raise InputError(file, f"{key}.sigma", draw.sigma, "more than 0")
     if draw.mode is not None and low is not None and high is not None and not low <= draw.mode <= high:
@@ -93,7 +97,7 @@ def value_at(draw: DrawTable, chance: float) -> Any:  # noqa: ANN401 - what a ke
 
 def _uniform(draw: DrawTable, chance: float) -> float:
     low, high = draw.low or 0.0, draw.high or 0.0
-    return low + (high - low) * chance
+    return math.floor(low + (high + 1.0 - low) * chance) if draw.whole else low + (high - low) * chance
 
 
 def _normal(draw: DrawTable, chance: float) -> float:

@@ -143,8 +143,8 @@ def share_of(hits: int, days: int, confidence: float) -> FigureEstimate:
 
 
 def difference_of(pairs: Sequence[tuple[float, float]], confidence: float) -> FigureEstimate:
-    """The mean of second less first, pair by pair."""
-    return mean_of([second - first for first, second in pairs], confidence)
+    """The mean of second less first, pair by pair; what rounding alone makes differ is alike."""
+    return mean_of([_rounded(second - first) for first, second in pairs], confidence)
 
 
 def looks(least_days: int, days: int) -> tuple[int, ...]:

@@ -20,6 +20,7 @@ import secrets
 import tempfile
 from collections.abc import Collection, Generator
 from contextlib import contextmanager, suppress
+from functools import cache
 from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
@@ -86,9 +87,10 @@ def day_name(spec: DaySpec, index: int) -> str:
 
 
 class NotSharedError(Exception):
-    """A process does not see the directory of the sweep that it is to run days of."""
+    """A process does not see the sweep that it is to run days of as the client does: directory, code or files."""
 
     NEEDED: Final = "the client's directory must be under the same path on every machine"
+    SAME_CODE: Final = "the same version of branchline, Python and libraries must be on every machine"
 
 
 class SweepDirectory:
@@ -180,7 +182,7 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def check_shared(out: Path, token: str) -> None:
-    """This process sees the very directory that the client has. NotSharedError otherwise."""
+    """This process sees the very directory that the client has, and runs its code. NotSharedError otherwise."""
     try:
         header = msgspec.json.decode((out / HEADER_FILE).read_bytes(), type=Header)
     except (OSError, msgspec.MsgspecError) as error:
@@ -189,6 +191,10 @@ def check_shared(out: Path, token: str) -> None:
         ) from error
     if header.token != token:
         raise NotSharedError(f"{os.uname().nodename} has another sweep in {out}: {NotSharedError.NEEDED}")
+    if (header.code, header.made_with) != (code_digest(), made_with()):
+        raise NotSharedError(
+            f"{os.uname().nodename} runs other code than the client: {NotSharedError.SAME_CODE}"
+        )
 
 
 def _read(path: Path) -> DayRecord | str:
@@ -230,7 +236,6 @@ def _header(out: Path, sweep: str) -> Header | None:
 
 
 def _header_of(plan: SweepPlan, token: str) -> Header:
-    made_with = {"python": python_version()} | {name: version(name) for name in _WITH}
     points = tuple(PointSaid(point.label, dict(point.said), point.inputs) for point in plan.points)
     table = plan.table.model_dump(mode="json", by_alias=True)
     return Header(
@@ -239,11 +244,17 @@ def _header_of(plan: SweepPlan, token: str) -> Header:
         token,
         version("branchline"),
         code_digest(),
-        made_with,
+        made_with(),
         plan.scenario,
         table,
         points,
     )
+
+
+@cache
+def made_with() -> dict[str, str]:
+    """Versions of Python and of the libraries that compute."""
+    return {"python": python_version()} | {name: version(name) for name in _WITH}
 
 
 def _lock(lock: int, out: Path) -> None:

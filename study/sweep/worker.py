@@ -21,14 +21,15 @@ import msgspec
 import psutil
 
 from host.scratch import scratch
+from network.errors import InputError
 from scenario.scenario import Scenario
 from study.runner.run import TEMPORARY, CarrierKind
 from study.sweep.day import ProcessCache, run_day
-from study.sweep.digest import code_digest
+from study.sweep.digest import code_digest, inputs_digest
 from study.sweep.kept import kept_day
 from study.sweep.point import point_id, scenario_of
 from study.sweep.records import DayOutcome, DayRecord, DaySpec
-from study.sweep.store import check_shared, day_name, filed_day, write_day
+from study.sweep.store import NotSharedError, check_shared, day_name, filed_day, write_day
 
 RETRIES: Final = 2  # a day that fails is begun so often again, then filed as crashed
 RUNNER: Final = "study.sweep.worker:real_day"
@@ -88,8 +89,12 @@ def task_done(task: Task) -> FiledDay:
 
 
 def real_day(task: Task) -> DayRecord:
-    """The day on its carrier, and where that is asked for on SUMO too. A crash is tried again, should it be chance."""
+    """The day on its carrier, and where that is asked for on SUMO too. A crash is tried again, should it be chance.
+
+    Raises NotSharedError where its files are no longer those of the sweep: that is no crash.
+    """
     warm = _warm()
+    warm.scenario(task.spec)
     tries = 0
     while True:
         tries += 1
@@ -144,7 +149,16 @@ def _warm() -> ProcessCache:
     folder = stack.enter_context(scratch(TEMPORARY))
 
     def of(spec: DaySpec) -> Scenario:
-        return scenario_of(spec, folder)
+        changed = (
+            f"files of {spec.scenario} have changed since the sweep began: the same command takes them anew"
+        )
+        try:
+            point = scenario_of(msgspec.structs.replace(spec, drawn=()), folder)
+        except InputError as error:
+            raise NotSharedError(f"{changed}: {error}") from error
+        if inputs_digest(point.setup) != spec.inputs:
+            raise NotSharedError(changed)
+        return scenario_of(spec, folder) if spec.drawn else point
 
     return stack.enter_context(ProcessCache(of, replay_command))
 

@@ -158,6 +158,18 @@ def test_a_limit_that_is_known_counts_before_a_derived_one() -> None:
     )
 
 
+def test_a_line_says_that_limits_of_a_file_count_before_those_of_stubs(tmp_path: Path) -> None:
+    """The last 30 km/h are gone, and what stands in `assumed` does not leave it at that."""
+    path = table(tmp_path, "name,km\nA,0\nB,5\n")
+    limits = tmp_path / "limits.csv"
+    limits.write_text("from_km,to_km,speed_kmh\n-1,6,60\n", "utf-8")
+    made = make_line(path, "x", NewLineOptions(limits=limits)).line
+    assert {limit.speed_mps for limit in made.alignments["main"].limits} == {60 / 3.6}
+    assert (
+        "limits of the file: where it has any they count, and not those of curves and stubs" in made.assumed
+    )
+
+
 def test_an_axis_is_prolonged_straight_on() -> None:
     axis = Alignment(
         "main", 0.0, 100.0, 10.0, 20.0, 90.0, 0.0, (), (Curve(5.0, 90.0, 300.0, 20.0, 0.0),), (), ()

@@ -96,6 +96,8 @@ def test_one_beside_the_tracks_is_left(tmp_path: Path) -> None:
 def test_milestones_give_the_kilometrage_beyond_them_and_beside_them(tmp_path: Path) -> None:
     layout = read(tmp_path, OSM)
     assert [m.position_m for m in layout.milestones] == [500.0, 700.0]
+    exact = OSM.replace('railway:position" v="0.5"', 'railway:position:exact" v="0.000"')
+    assert [m.position_m for m in read(tmp_path, exact).milestones] == [0.0, 700.0]
     where = {s.name: s.position_m for s in layout.stations}
     assert where["Birch"] == pytest.approx(1200.0, abs=1.0)
     assert where["Cedar"] == pytest.approx(1900.0, abs=1.0)

@@ -15,24 +15,24 @@ Floats = NDArray[np.float64]
 class TooShort(ValueError):  # noqa: N818 - it says what is wrong, as a reader would
     """The running time asked for is below the least; `least_s` is that."""
 
+    SAYS = "{:.2f} s is too short: the least running time is {:.2f} s"
+
     def __init__(self, time_s: float, least_s: float) -> None:
-        super().__init__(f"{time_s:.2f} s is too short: the least running time is {least_s:.2f} s")
+        super().__init__(self.SAYS.format(time_s, least_s))
         self.time_s = time_s
         self.least_s = least_s
 
 
 class NotFound(TooShort):
-    """So little above the least running time that the mesh holds no run of it."""
+    """The mesh holds no run of that time: so little above the least, or so slow over humps within its stretches."""
+
+    SAYS = "no run of {:.2f} s was found; the least running time is {:.2f} s"
 
 
 class EndsNotKept(NotFound):
     """The mesh's run, made possible on every metre, is slower at an end than asked for."""
 
-    def __init__(self, time_s: float, least_s: float) -> None:
-        super().__init__(time_s, least_s)
-        self.args = (
-            f"the run of {time_s:.2f} s that is possible does not keep the speeds asked for at its ends",
-        )
+    SAYS = "the run of {:.2f} s that is possible does not keep the speeds asked for at its ends"
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from vehicle.compiled import compiled
 from vehicle.optimum.bound import bound_of
-from vehicle.optimum.course import Course, EndsNotKept, Optimum, TooShort
+from vehicle.optimum.course import Course, EndsNotKept, NotFound, Optimum
 from vehicle.optimum.laws import ALL_MOTORS, laws_at
 from vehicle.optimum.mesh import laid_course, places_m
 from vehicle.optimum.solve import optimum_of
@@ -125,8 +125,8 @@ def consumed_j(
 def proven_run(course: Course, time_s: float, points: int = 300) -> ProvenRun:
     """The optimum of a course as a run that is possible within `time_s`, and its bound.
 
-    TooShort where the time is below the least, or so near to it that no such run is found on the mesh; EndsNotKept
-    where the run that is possible is slower at an end than asked for: its energy would be that of another course.
+    TooShort where the time is below the least, NotFound where the mesh leads to no such run; EndsNotKept where the run
+    that is possible is slower at an end than asked for: its energy would be that of another course.
     """
     found = laid_course(course)
     way, train, inertia = found.way, course.train, found.inertia_kg
@@ -147,13 +147,17 @@ def proven_run(course: Course, time_s: float, points: int = 300) -> ProvenRun:
     for _ in range(TRIES):
         optimum = optimum_of(found, asked_s, at_m)
         line = np.minimum(np.interp(fine, at_m, 0.5 * optimum.speed_mps**2) - bowed, ceiling)
+        if not np.all(line[1:-1] > 0.0):  # over a hump within a stretch a slow run stalls with one force
+            raise NotFound(time_s, found.least_s)
         z = possible_speeds2(train, course.load_share, inertia, fine, held, limits, line)
         took_s = float(times_s(fine, z)[-1])
         if time_s * (1.0 - EARLY) <= took_s <= time_s:
             break
         asked_s -= took_s - time_s * (1.0 - 0.5 * EARLY)
+        if asked_s <= found.least_s:
+            raise NotFound(time_s, found.least_s)
     else:
-        raise TooShort(time_s, found.least_s)
+        raise NotFound(time_s, found.least_s)
     if z[0] < way.first * (1.0 - SLOWER) or z[-1] < way.last * (1.0 - SLOWER):
         raise EndsNotKept(time_s, found.least_s)
     energy_j = consumed_j(train, course.load_share, inertia, course.regeneration, fine, held, z)

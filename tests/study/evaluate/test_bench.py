@@ -18,7 +18,7 @@ from network.model import Direction
 from scenario.scenario import load_scenario
 from simulation.carriers.carrier import Carrier, Truth
 from study.evaluate import laws
-from study.evaluate.bench import BUDGET, BUSY_BUDGET, Metered, Recorder, parts, replay, report
+from study.evaluate.bench import BUDGET, BUSY_BUDGET, MemorySampler, Metered, Recorder, parts, replay, report
 from study.evaluate.parts import PARTS, part_of
 from study.runner.run import PartyLink, execute
 from sumo_cfg.build import net_for
@@ -236,3 +236,13 @@ def test_every_part_of_the_bench_is_there_and_another_is_refused() -> None:
     assert all(callable(part_of(name)) for name in PARTS)
     with pytest.raises(InputError, match="--part"):
         part_of("no_such_part")
+
+
+def test_memory_of_a_run_of_few_stretches_is_looked_at_while_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The paper's line has 73 of them; when they are over, the processes of its parties are, too."""
+    looked: list[int] = []
+    memory = MemorySampler()
+    monkeypatch.setattr(memory, "look", lambda: looked.append(memory._calls))
+    for _ in range(73):
+        memory.now_and_then(0.0, 0.0, 0)
+    assert looked == [1, 2, 4, 8, 16, 32, 64]

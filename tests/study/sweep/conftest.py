@@ -28,6 +28,14 @@ key = "air.delay_mean_s"
 values = [0.1, 0.5]
 labels = ["0.1 s", "0.5 s"]
 """
+DRAW = """
+[[draw]]
+name = "shortest_stop"
+key = "unit.dwell_min_s"
+distribution = "uniform"
+low = 20.0
+high = 40.0
+"""
 WAIT_S = 120.0  # for a process to do what it does in seconds; beyond it the test has failed
 
 

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Final
@@ -119,6 +120,8 @@ class Ended:
         call(self)
 
     def result(self) -> bytes:
+        if self.status == "cancelled":
+            raise CancelledError
         return self._result
 
 
@@ -149,6 +152,22 @@ class Growing:
 
     def close(self, timeout: float) -> None:
         assert timeout > 0.0
+
+
+class Lost(Growing):
+    """It has been lost and found again before anybody looked: what it had is cancelled."""
+
+    looks = 0
+
+    def nthreads(self) -> dict[str, int]:
+        self.looks += 1
+        assert self.looks < 4, "nobody will ever run these days"
+        return super().nthreads()
+
+    def submit(self, _run: object, packed: bytes, key: str, **_: object) -> Ended:
+        found = super().submit(_run, packed, key)
+        found.status = "cancelled"
+        return found
 
 
 def run_on(scheduler: Growing, file: Path, out: Path, patch: pytest.MonkeyPatch) -> int:
@@ -189,6 +208,14 @@ def test_a_late_worker_that_cannot_run_days_is_told(
 ) -> None:
     with pytest.raises(GivenUpError, match=r"workers of one thread.*late-0 has 2"):
         run_on(Growing(1, threads=2), sweep_file, out, monkeypatch)
+
+
+def test_days_of_a_scheduler_that_was_lost_are_not_waited_for(
+    sweep_file: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_pump, "LOOK_S", 0.01)
+    with pytest.raises(GivenUpError, match="the scheduler at scheduler is gone"):
+        run_on(Lost(0), sweep_file, out, monkeypatch)
 
 
 @pytest.mark.nightly

@@ -13,18 +13,9 @@ from typing import Any
 import pytest
 
 from tests.conftest import Ended
-from tests.study.sweep.conftest import SWEEP, WAIT_S
+from tests.study.sweep.conftest import DRAW, SWEEP, WAIT_S
 
 pytestmark = pytest.mark.system
-
-DRAW = """
-[[draw]]
-name = "shortest_stop"
-key = "unit.dwell_min_s"
-distribution = "uniform"
-low = 20.0
-high = 40.0
-"""
 
 
 def rows_of(file: Path) -> list[dict[str, str]]:

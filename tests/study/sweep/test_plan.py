@@ -17,7 +17,7 @@ from network.files.toml_text import put_value, steps_of, toml_of
 from scenario.scenario import load_scenario
 from scenario.sweep_file import DrawTable
 from study.sweep.digest import inputs_digest
-from study.sweep.draws import drawn_value
+from study.sweep.draws import check_draw, drawn_value, value_at
 from study.sweep.plan import SweepPlan, load_plan
 from study.sweep.point import scenario_text
 from tests.conftest import Ended
@@ -170,6 +170,12 @@ def test_draws_are_cut_and_whole() -> None:
     values = {drawn_value(table, seed) for seed in range(200)}
     assert values <= set(range(8))
     assert {0, 7} <= values
+    die = draw(distribution="uniform", low=1.0, high=6.0, whole=True)
+    thrown = [value_at(die, (i + 0.5) / 600) for i in range(600)]
+    assert thrown == sorted(thrown)
+    assert [thrown.count(pips) for pips in range(8)] == [0, *[100] * 6, 0]
+    with pytest.raises(InputError, match=r"low is 0.5; expected a whole number"):
+        check_draw("sweep.toml", "draw[0]", die.model_copy(update={"low": 0.5}))
 
 
 keys = st.text(min_size=1, max_size=8)

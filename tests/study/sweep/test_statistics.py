@@ -193,6 +193,10 @@ def test_a_difference_that_is_the_same_every_day_is_none_of_chance_from_six_days
 ) -> None:
     """Six equal signs of fair coins: 2 / 2^6, three in a hundred."""
     assert difference_of([(0.0, 3.0)] * days, SAID).apart_from_0 is apart
+    # 10.4 - 10.1 and 30.5 - 30.2 differ in the last bits of what they are stored in, and in nothing else.
+    pairs = [(10.1, 10.4), (20.1, 20.4), (30.2, 30.5), (40.1, 40.4), (50.1, 50.4), (60.1, 60.4)][:days]
+    found = difference_of(pairs, SAID)
+    assert (found.low, found.apart_from_0) == (None, apart)
 
 
 def test_looked_at_every_day_at_the_same_confidence_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,16 +1,21 @@
 """The directory of a sweep: what does not count is named and run again, and nobody's work is overwritten."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
 import pytest
 
+import study
 from network.errors import InputError
+from study.sweep.digest import CODE
 from study.sweep.go import SweepProgress, sweep_begun
 from study.sweep.plan import load_plan
 from study.sweep.store import NotSharedError, check_shared, opened_sweep
 from study.sweep.table import days_csv
+from study.sweep.worker import Task, run_task
+from tests.study.sweep.conftest import DRAW
 from tests.study.sweep.here import OneByOne, swept, table
 from tests.study.sweep.planted import control_of
 
@@ -96,6 +101,45 @@ def test_worker_of_another_directory_is_refused(sweep_file: Path, out: Path, tmp
         (copy / "sweep.json").write_text(json.dumps(header | {"token": "another"}), "utf-8")
         with pytest.raises(NotSharedError, match="another sweep"):
             check_shared(copy, store.token)
+        for key, other in (("code", "0" * 32), ("made_with", {"numpy": "0"})):
+            (out / "sweep.json").write_text(json.dumps(header | {key: other}), "utf-8")
+            with pytest.raises(NotSharedError, match="other code than the client"):
+                check_shared(out, store.token)
+
+
+@pytest.mark.parametrize("drawn", ["", DRAW])
+@pytest.mark.parametrize("line", ["[trains]\nload_share_mean = 0.45", "no table"])
+def test_a_day_of_files_that_have_changed_is_not_filed(
+    sweep_file: Path, out: Path, drawn: str, line: str
+) -> None:
+    """Its name says what was there as the sweep began; what cannot be read any more is no crash of the day."""
+    mine = sweep_file.with_name("mine.toml")
+    text = 'extends = "rtri_test_line"\nid = "mine"\nname = "Mine"\n'
+    mine.write_text(text, "utf-8")
+    sweep_file.write_text(
+        sweep_file.read_text("utf-8").replace("rtri_test_line", "mine.toml") + drawn, "utf-8"
+    )
+    plan = load_plan(str(sweep_file))
+    with opened_sweep(plan, out) as store:
+        mine.write_text(text + line, "utf-8")
+        with pytest.raises(NotSharedError, match="have changed since the sweep began"):
+            run_task(Task(str(out), store.token, plan.spec(plan.points[0], 0), 0))
+    assert not days(out)
+
+
+SHOWN = ("study.capacity", "study.report", "study.wording")  # what a day is shown by, and not how it goes
+
+
+def test_what_decides_a_day_is_all_in_the_digest_of_the_code() -> None:
+    """The packages of `study` that those of the digest import, apart from what shows a day."""
+    root = Path(study.__file__ or "").parents[1]
+    files = [file for name in CODE for file in (root / name).rglob("*.py") or [root / name]]
+    used = {
+        found for file in files for found in re.findall(r"^from (study[\w.]*)", file.read_text("utf-8"), re.M)
+    }
+    known = tuple(name.removesuffix(".py").replace("/", ".") for name in CODE)
+    beside = ("study.sweep.", *SHOWN)
+    assert not {name for name in used if not name.startswith((*known, *beside))}
 
 
 STOP = """

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum import Course, Optimum, TooShort, least_energy, least_time
 from vehicle.optimum.bound import Term, bound_of, lower_bound_j
+from vehicle.optimum.course import NotFound
 from vehicle.optimum.laws import laws_at
 from vehicle.optimum.mesh import laid_course, shares_of
 from vehicle.optimum.proof import consumed_j, possible_speeds2, proven_run
@@ -252,6 +253,15 @@ def test_too_short_a_time_names_the_least(ev_e301: Rows) -> None:
     with pytest.raises(TooShort, match=f"least running time is {least_s:.2f} s") as raised:
         least_energy(run, 0.98 * least_s)
     assert raised.value.least_s == pytest.approx(least_s)
+
+
+def test_humps_that_a_mesh_does_not_see_leave_no_run(ev_e301: Rows) -> None:
+    """On 60 points a stretch is 33 m; at 2 m/s a train with one force on all of it stalls on half a metre of climb."""
+    humps = 0.02 * np.abs(np.arange(2002) % 160 - 80.0)
+    run = course(ev_e301, 2000, climb_m=humps, limit_mps=np.full(2002, 2.0))
+    time_s = 1.1 * float(least_time(run).time_s[-1])
+    with pytest.raises(NotFound, match=f"no run of {time_s:.2f} s was found"):
+        proven_run(run, time_s, points=60)
 
 
 def test_a_train_that_stalls_says_where(ev_e301: Rows) -> None:
