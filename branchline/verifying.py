@@ -34,7 +34,7 @@ def explore(
     config: Annotated[
         str,
         typer.Argument(
-            help="How often each may happen: LOSS/DELAY/POWER/WORD, if you like with /POINTS and /SENSOR;"
+            help="How often each may happen: LOSS/DELAY/POWER/WORD, if you like with /POINTS, /SENSOR and /SET_BACK;"
             " 'any' for a delay that is not counted."
         ),
     ] = "1/1/0/0",

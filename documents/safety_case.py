@@ -61,9 +61,10 @@ HAZARDS: Final = (
             SafetyClaim(
                 "A terminal throws only under the newest token, and locks for it",
                 "the grant is proven offline by its code; tokens and locks outlive a power cut",
-                ("verify explore 0/0/1/0",),
+                ("verify explore 0/1/0/0/0/0/1",),
                 (
                     _EXPLORE,
+                    "tests/verify/test_explore.py::test_an_old_token_that_is_obeyed_moves_points_under_a_train",
                     "tests/host/test_device.py::test_a_terminal_remembers_its_tokens_over_a_power_cut",
                 ),
             ),

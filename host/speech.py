@@ -6,6 +6,8 @@ claims what it does not hold. That can be told from nothing but its contradictio
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from radio.envelope import Endpoint
 from radio.messages import AnyMessage, Claim
 
@@ -19,5 +21,5 @@ class Speech(Endpoint):
         """As any endpoint. A unit that says it does not know says so: where its train stands is no lie to tell."""
         if isinstance(message, Claim) and message.section_ids is not None:
             more = tuple(s for s in self.claims_besides if s not in message.section_ids)
-            message = Claim((*message.section_ids, *more), message.token)
+            message = replace(message, section_ids=(*message.section_ids, *more))
         return super().seal(destination, message, now_s, correlation)

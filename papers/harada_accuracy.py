@@ -20,7 +20,7 @@ from network.files.kinds import origin_of
 from onboard.localisation.curvature_map import CurvatureMap
 from papers.charts import BLUE, ChartPage, Histogram, Panel, Plotted, Ruled
 from papers.first_run import map_by_run
-from papers.harada_bench import SHARED, Floats, PlannedTrip, TripRun, bounds_row, worst_m
+from papers.harada_bench import SHARED, Floats, PlannedTrip, TripRun, bounds_row, worst_m, worst_out_m
 from papers.mountain_line import STATIONS, TRAIN_NUMBER, MountainLine, mountain_line
 from papers.parameter_sets import LINE
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
@@ -67,7 +67,7 @@ class CaseRuns:
             "mean_m": round(float(errors_m.mean()), 3),
             "worst_m": round(worst_m(errors_m), 2),
             f"within_{WITHIN_M:g}_m": f"{int((np.abs(errors_m) <= WITHIN_M).sum())} of {errors_m.size}",
-            "out_of_bounds_m": round(max(ride.result.out_m for ride in self.rides), 3),
+            "out_of_bounds_m": worst_out_m([ride.result for ride in self.rides]),
         }
 
 

@@ -114,7 +114,7 @@ def beacon_rows(paper: Method, dry: Method, bounded: Method) -> tuple[CaseRow, .
             "by beacons that may not break the bounds",
             None,
             {**bounded.figures, "out of bounds_m": round(bounded.ride.result.out_m, 3)},
-            bounded.ride.result.out_m <= 0.0 < paper.ride.result.out_m,
+            bounded.ride.result.held and paper.ride.result.out_m > 0.0,
             "the paper's method puts the truth out of its bounds, this one never",
         ),
     )
@@ -125,7 +125,7 @@ def curvature_row(curve: Method) -> CaseRow:
     ride = curve.ride
     beyond = ride.kilometrage_m > ride.trip.place.places_m[0] + FIGURE_1_M["D"]
     after_m = worst_m(np.asarray(ride.result.trace["estimate_error_m"][beyond], dtype=np.float64))
-    plant, out_m = ride.run.trains.plants[0], ride.result.out_m
+    plant = ride.run.trains.plants[0]
     return CaseRow(
         BY_CURVATURE,
         "is not misled",
@@ -133,9 +133,9 @@ def curvature_row(curve: Method) -> CaseRow:
             "wheels counted too long_m": round(float(plant.wheel_travelled_m - plant.travelled_m), 1),
             "worst after D_m": round(after_m, 2),
             "error at X_m": round(curve.error_at_m("X"), 2),
-            "out of bounds_m": round(out_m, 3),
+            "out of bounds_m": round(ride.result.out_m, 3),
         },
-        curve.failed_at_m is None and after_m < X_BEFORE_B_M / 2.0 and out_m <= 0.0,
+        curve.failed_at_m is None and after_m < X_BEFORE_B_M / 2.0 and ride.result.held,
         "it arrives, never half as wrong after D, and never out of its bounds",
     )
 

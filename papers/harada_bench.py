@@ -162,8 +162,14 @@ def worst_m(errors_m: Floats) -> float:
 
 def bounds_row(rides: Iterable[TripRun], criterion: str = "never, in any step") -> CaseRow:
     """Whether the truth was within what units state."""
-    out_m = max(ride.result.out_m for ride in rides)
-    return CaseRow("truth out of the stated bounds", None, round(out_m, 3), out_m <= 0.0, criterion)
+    results = [ride.result for ride in rides]
+    held = all(result.held for result in results)
+    return CaseRow("truth out of the stated bounds", None, worst_out_m(results), held, criterion)
+
+
+def worst_out_m(results: Iterable[PositionResult]) -> float:
+    """By how much the truth was out in the worst of these runs, m; nan where any of them says nothing of it."""
+    return round(float(np.max([result.out_m for result in results])), 3)
 
 
 @dataclass(slots=True)

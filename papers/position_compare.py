@@ -123,7 +123,7 @@ def measures_of(ran: SensorSetRun) -> Measures:
         without_fix_share=far_from_a_fix(ran),
         unknown_share=1.0 - result.known_steps / max(result.steps, 1),
         outside_s=int(np.sum(outside)),
-        nearest_to_outside_m=float(result.out_m),
+        nearest_to_outside_m=float(result.out_m) if result.known_steps else np.nan,
         arrived=result.arrived,
     )
 
@@ -148,7 +148,7 @@ def row_of(measures: Measures) -> CaseRow:
 
 def held_row(found: Sequence[Measures]) -> CaseRow:
     """Whether bounds hold in all runs whose faults are inside the model."""
-    broken = sum(each.nearest_to_outside_m > 0.0 for each in found if each.inside_the_model)
+    broken = sum(not each.nearest_to_outside_m <= 0.0 for each in found if each.inside_the_model)
     return none_of(HELD, broken)
 
 

@@ -117,6 +117,11 @@ class PositionResult:
     )
     arrived: bool = False
 
+    @property
+    def held(self) -> bool:
+        """Whether the unit stated bounds and the truth was never out of them; what is no number is out."""
+        return self.known_steps > 0 and self.out_m <= 0.0
+
 
 class PositionRun:
     """One run in progress; `result` fills as it goes. `moments` are by true path coordinate.

@@ -52,6 +52,7 @@ class UnwishedFor(IntEnum):
     WORD = 4  # a person's word that is not true, or about a unit that speaks for itself
     POINTS = 5  # a throw that is not proven in time; a position or lock that is detected no more
     SENSOR = 6  # a position lost
+    SET_BACK = 7  # a crew sets its route back
 
 
 ANY: Final = 99  # as often as it may be
@@ -66,6 +67,7 @@ class Budgets(NamedTuple):
     word: int = 0
     points: int = 0
     sensor: int = 0
+    set_back: int = 0
 
 
 class ExploredLine(NamedTuple):

@@ -36,6 +36,7 @@ WORDS: Final = MappingProxyType(
         "PointsWrong": "has its crew see that points do not lie as needed",
         "EndOfHeld": "is told where it stands, at the end of what it holds",
         "PositionLost": "loses its position",
+        "SetBack": "has its crew set its route back",
     }
 )
 

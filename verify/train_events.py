@@ -7,6 +7,7 @@ it is a matter of metres, not of this model.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 from onboard.authority.records import Authority, RequestKind
 from onboard.duty.arrival import beyond_gap
@@ -27,6 +28,7 @@ from onboard.duty.records import (
     PointsSeen,
     PointsWrong,
     PositionLost,
+    SetBack,
     Stopped,
     SwitchedOn,
     TagBelieved,
@@ -41,6 +43,7 @@ from verify.thirds import PLACES_A_SPAN
 from verify.train import ExploredTrain, TrainPlace, TrainState
 
 TrainEvent = Happening[TrainState, InAir]
+HOLD_S: Final = 60.0  # for which no route is asked for: a timer, which runs out when it likes
 
 
 def events(model: ExploredTrain, state: TrainState) -> tuple[TrainEvent, ...]:
@@ -200,6 +203,10 @@ def _troubles(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     if state.place in (TrainPlace.WAITING, TrainPlace.ON_LINE):
         off = _booted(state)._replace(power=False, epoch=state.epoch)
         yield TrainEvent("power fails", off, trouble=UnwishedFor.POWER)
-    if state.place is TrainPlace.ON_LINE and state.known and state.duty.phase is not DutyPhase.OFF:
+    if state.place is not TrainPlace.ON_LINE:
+        return
+    if not state.moves and state.duty.phase in (DutyPhase.STANDING, DutyPhase.RUNNING):
+        yield _took(model, state, SetBack(HOLD_S))._replace(trouble=UnwishedFor.SET_BACK)
+    if state.known and state.duty.phase is not DutyPhase.OFF:
         lost = state._replace(known=False, emergency=True)
         yield _took(model, lost, PositionLost())._replace(trouble=UnwishedFor.SENSOR)

@@ -136,7 +136,6 @@ LINE_CAMERA: Final = replace(
     length_scale=1.0,
 )
 LINE_SIGN: Final = Sign(diameter_m=0.18, right_m=2.2, up_m=1.0)
-LINE_SIGN_BEYOND_MARK_M: Final = 10.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from typing import Final
 
 import pytest
 
+from host.speech import Speech
 from host.store import MemoryStore, commission
 from host.unit import HostedUnit, UnitConfig
 from onboard.authority.records import Authority, OpenRequest, RequestKind
@@ -12,7 +13,8 @@ from onboard.duty_parameters import DutyParameters
 from onboard.unit import Report
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring
-from radio.messages import AnyMessage, Claim, ClaimQuery
+from radio.messages import AnyMessage, Claim, ClaimQuery, LeavingClaim
+from tests.radio.test_messages import EXAMPLES
 
 CONFIG: Final = UnitConfig("line", "u1", "block-manager", DutyParameters(20.0, 45.0, 30.0))
 SANE, MAD = Report(PlaceInJoints()), Report(PlaceInJoints(), claims_besides=("X",))
@@ -60,6 +62,23 @@ def test_where_it_does_not_know_what_it_holds_it_tells_no_lie_of_where_its_train
     cab = Cab(authority)
     assert cab.says(MAD) == []
     assert cab.says(MAD, asked=True) == [Claim(None, 0)]
+
+
+@pytest.mark.parametrize("message", EXAMPLES, ids=lambda message: type(message).__name__)
+def test_what_a_sane_unit_says_leaves_its_host_as_it_is(message: AnyMessage) -> None:
+    """By its type too: a claim of one that has signed off is another than that of one on the line."""
+    speech = Speech(key_ring(b"m" * 32, "u1", ["block-manager"]), 1)
+    opened = Endpoint(key_ring(b"m" * 32, "block-manager", ["u1"]), 1).open(
+        speech.seal("block-manager", message, 1.0), 1.0
+    )
+    assert isinstance(opened, Received)
+    assert (type(opened.message), opened.message) == (type(message), message)
+
+
+def test_one_that_has_signed_off_says_so_when_it_is_asked_sane_or_mad() -> None:
+    cab = Cab(Authority(held=("P",), leaving=True))
+    assert cab.says(SANE, asked=True) == [LeavingClaim(("P",), 0)]
+    assert LeavingClaim(("P", "X"), 0) in cab.says(MAD, asked=True)
 
 
 def test_what_it_holds_anyway_it_claims_once() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from network.model import Line
 from onboard.localisation.curvature_map import CurvatureMap
 from papers import harada_accuracy, harada_beacons, harada_loop_track, harada_slide
-from papers.harada_bench import CREEP_SHARE, TREAD_CONICITY, PlannedTrip
+from papers.harada_bench import CREEP_SHARE, TREAD_CONICITY, PlannedTrip, TripRun, bounds_row
 from papers.harada_loop_track import NO_THRESHOLD_PER_M
 from papers.mountain_line import (
     CHECK_POINTS,
@@ -20,15 +21,32 @@ from papers.mountain_line import (
     main_path,
     mountain_line,
 )
-from papers.position_run import SLOT
+from papers.position_run import SLOT, PositionResult, PositionRun
 from papers.reproduction import CaseRow, Options
 from simulation.sensor_settings import BeaconTrust, Curvature, Filter
 from simulation.settings import PositionSensor
+from simulation.world.records import TRACE
 from tests.nightly import others_nightly
 
 
 def missed(rows: Sequence[CaseRow]) -> list[str]:
     return [row.case for row in rows if not row.passed]
+
+
+@pytest.mark.parametrize(("out_m", "known_steps"), [(np.nan, 9), (0.1, 9), (-np.inf, 0)])
+def test_bounds_hold_only_where_every_run_says_so(out_m: float, known_steps: int) -> None:
+    """One of several runs whose bounds are no number, are broken, or were never stated."""
+    rides = [
+        TripRun(
+            PlannedTrip(mountain_line(stations=3)),
+            PositionResult(np.zeros(0, TRACE), np.zeros(0, np.bool_), out_m=worst_m, known_steps=known),
+            cast("PositionRun", None),
+            0.0,
+        )
+        for worst_m, known in ((-1.0, 9), (out_m, known_steps), (-0.5, 9))
+    ]
+    assert bounds_row([rides[0], rides[2]]).passed
+    assert not bounds_row(rides).passed
 
 
 # the line -----------------------------------------------------------------------------------------------------

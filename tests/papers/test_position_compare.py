@@ -15,6 +15,7 @@ from papers.position_compare import (
     acting_row,
     draw_comparison,
     far_from_a_fix,
+    held_row,
     measures_of,
     numbers,
     reproduce,
@@ -95,6 +96,12 @@ def test_the_measures_of_a_run() -> None:
     assert found.unknown_share == pytest.approx(0.1)
 
 
+def test_a_run_without_a_position_has_no_bounds_that_hold() -> None:
+    ran = run_of([0.0, 1.0], [2.0, 2.0])
+    ran.result.known_steps, ran.result.out_m = 0, -np.inf
+    assert not row_of(measures_of(ran)).passed
+
+
 def test_the_way_without_a_fix_is_what_wheels_alone_ran() -> None:
     halves = [1.0 + 0.4 * number for number in range(51)]  # as wheels leave it over a kilometre
     assert far_from_a_fix(run_of([0.0] * 51, halves)) == pytest.approx(1.0 - FAR_M / 1000.0, abs=0.03)
@@ -105,7 +112,9 @@ def test_the_way_without_a_fix_is_what_wheels_alone_ran() -> None:
 def test_a_broken_bound_fails_inside_the_model_and_is_told_beyond_it() -> None:
     assert row_of(HOLDS).passed
     broken = replace(HOLDS, nearest_to_outside_m=0.01)
-    assert not row_of(broken).passed
+    unsaid = replace(HOLDS, nearest_to_outside_m=np.nan)
+    assert held_row([HOLDS]).passed
+    assert not any(held_row([HOLDS, each]).passed or row_of(each).passed for each in (broken, unsaid))
     assert row_of(replace(broken, inside_the_model=False)).passed
     assert "beyond the model" in row_of(replace(broken, inside_the_model=False)).case
 

@@ -33,6 +33,7 @@ BUDGETS: Final = (
     Budgets(sensor=1),
     Budgets(power=1),
     Budgets(word=1),
+    Budgets(delay=1, set_back=1),
 )
 MODULES: Final = (switches_on_board, switches_radio, switches_wayside)
 STATES_MAX: Final = 2_000_000
@@ -114,7 +115,7 @@ def judged(name: str, sound: list[str]) -> Iterator[tuple[str, Verdict]]:
         with without(name):
             line = ExploredLine(budgets=budgets)
             verdict = verdict_of(lambda line=line: explored(line, STATES_MAX), digest, known)
-        yield f"`{'/'.join(map(str, budgets)).removesuffix('/0/0')}`", verdict
+        yield f"`{'/'.join(map(str, budgets)).removesuffix('/0/0/0')}`", verdict
 
 
 def first_other_planted(mistake: Planted, tree: Path, sound: list[str]) -> str:

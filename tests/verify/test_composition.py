@@ -15,7 +15,7 @@ from verify.parties import ExploredParties
 from verify.search import search
 from verify.story import StoryTeller
 
-ALL_TROUBLES = Budgets(1, 1, 1, 1, 1, 1)
+ALL_TROUBLES = Budgets(1, 1, 1, 1, 1, 1, 1)
 FEW, MANY = 1_500, 40_000
 
 

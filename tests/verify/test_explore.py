@@ -4,6 +4,8 @@ import pytest
 
 from onboard.duty_parameters import ReleaseRule
 from tests.nightly import others_nightly
+from tests.system import switches_wayside  # noqa: F401 - they enter themselves
+from tests.system.switchboard import SWITCHES
 from verify.composition import TWO_TRAINS
 from verify.explore import explored
 from verify.explored_line import Budgets, ExploredLine
@@ -11,13 +13,14 @@ from verify.restored import restored
 from verify.train import ExploredTrain
 
 # How often telegrams are lost or late, power fails and persons say what is not so.
-IN_EVERY_RUN = (Budgets(), Budgets(loss=2))
+IN_EVERY_RUN = (Budgets(), Budgets(loss=2), Budgets(set_back=1))
 AT_NIGHT = (
     Budgets(loss=1, delay=1),  # every run explores it with times, for what runs are inside of
     Budgets(power=1),
     Budgets(word=1),
     Budgets(points=1),
     Budgets(sensor=1),
+    Budgets(delay=1, set_back=1),
     Budgets(loss=1, power=1),
     Budgets(loss=1, delay=1, power=1),
 )
@@ -49,6 +52,15 @@ def test_a_sign_off_that_frees_leads_to_a_collision_by_one_lost_telegram() -> No
     assert found.chart.startswith("sequenceDiagram")
     assert "    u1->>block-manager: SignOff\n" in found.chart
     assert not explored(line, collisions_alone=True).broken
+
+
+def test_an_old_token_that_is_obeyed_moves_points_under_a_train(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its command is on the air while its crew sets the route back, and another is let onto the points."""
+    SWITCHES["obeys_an_old_token"](monkeypatch)
+    found = explored(ExploredLine(budgets=Budgets(delay=1, set_back=1)))
+    assert found.broken == "points do not lie, or are not locked, as the train on them needs"
+    assert "u1 has its crew set its route back" in found.story
+    assert found.story[-1] == "t1 hears PointsCommand PX normal X"
 
 
 def test_a_booted_unit_that_says_it_holds_nothing_leads_to_a_train_where_the_register_has_none() -> None:

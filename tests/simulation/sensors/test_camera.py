@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from onboard.localisation.sighting import SIGN_BEYOND_MARK_M
 from onboard.localisation.vision import Cluster, ImageWindow, SightTable, frame_rate_error_m, largest_cluster
 from radio.chance import generator
 from simulation.sensors.camera import (
     LINE_CAMERA,
     LINE_SIGN,
-    LINE_SIGN_BEYOND_MARK_M,
     PAPER_CAMERA,
     PAPER_SIGN,
     PAPER_TABLE_M,
@@ -198,7 +198,7 @@ def test_a_model_that_detects_half_the_time() -> None:
 
 def test_the_line_camera_sees_its_sign_at_the_mark_and_at_60_m() -> None:
     line = Renderer(LINE_CAMERA, 7)
-    for distance_m in (LINE_SIGN_BEYOND_MARK_M, 60.0):
+    for distance_m in (SIGN_BEYOND_MARK_M, 60.0):
         cluster = seen(line, Scene(LINE_SIGN, distance_m))
         assert cluster is not None
         assert cluster.row_px == pytest.approx(480.0 + LINE_SIGN.offset_px(LINE_CAMERA, distance_m), abs=0.6)
