@@ -70,10 +70,12 @@ def test_its_road_keeps_clear_of_points_on_the_track_beside_it(tmp_path: Path) -
 
 @pytest.mark.parametrize("section", ["B.1", "B.2"])
 def test_its_road_goes_through_no_platform_of_whichever_track(tmp_path: Path, section: str) -> None:
-    """Platforms of B, for trains of 40 m, lie from 2.96 to 3.04 km; a road of 6 m just beside them ends where they do."""
+    """Platforms of B, for trains of 40 m, lie from 2.96 to 3.04 km; a road of 6 m beside them ends where they do."""
     (tmp_path / "list.csv").write_text("name,km,tracks\nA,0,1\nB,3,2\nC,6,1\n", "utf-8")
     write_line(tmp_path / "list.csv", tmp_path / "line.toml", NewLineOptions(max_speed_kmh=70.0))
     text = (tmp_path / "line.toml").read_text("utf-8")
+    platform = "platform_from_km = 2.96, platform_to_km = 3.04, "
+    text = text.replace(f'section = "B.1", {platform}', 'section = "B.1", ')  # an island for the other track
     beside, through = (
         f'{text}\n[[crossings]]\nid = "X"\nsection = "{section}"\nkm = {km}\n' for km in (2.957, 2.958)
     )
