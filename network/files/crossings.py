@@ -42,8 +42,8 @@ def crossings_of(
     file: str, laid: Sequence[tuple[CrossingTable, Piece]], entry: LineFile
 ) -> dict[str, LevelCrossing]:
     """Crossings by id, each with the piece that its row names. InputError for one in a portal, in points or beside
-    them, in a platform, for times under the least, a crossing that overlaps the end of its track, and contacts that are missing or not
-    before it.
+    them, in a platform, for times under the least, a crossing that overlaps the end of its track, and contacts that are
+    missing or not before it.
     """
     kinds = {section.id: section.kind for section in entry.sections}
     found: dict[str, LevelCrossing] = {}
