@@ -153,10 +153,8 @@ class Staff:
                 self._routes.pop(unit_id, None)
             case CrossingCreep(crossing_id=crossing_id):
                 self._reported.add(crossing_id)
-            case CrossingEntered(crossing_id=crossing_id) if not self._wayside.crossings.is_closed(
-                crossing_id
-            ):
-                self._reported.add(crossing_id)
+            case CrossingEntered(crossing_id=road) if not self._wayside.crossings.is_closed(road):
+                self._reported.add(road)
             case CrossingProven():
                 self._reported.discard(entry.who)
             case CrewWaitsAtPoints(points_id=points_id):
