@@ -53,7 +53,7 @@ def equipment(
     check: Annotated[
         Path | None,
         typer.Option(
-            "--check", help="Without --out, --proof or --trains: only check this proof; search nothing."
+            "--check", help="Without --out or --proof: only check this proof; search nothing."
         ),
     ] = None,
     as_json: Json = False,
