@@ -52,9 +52,7 @@ def equipment(
     ] = None,
     check: Annotated[
         Path | None,
-        typer.Option(
-            "--check", help="Without --out or --proof: only check this proof; search nothing."
-        ),
+        typer.Option("--check", help="Without --out or --proof: only check this proof; search nothing."),
     ] = None,
     as_json: Json = False,
 ) -> None:
