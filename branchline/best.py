@@ -11,11 +11,20 @@ from branchline.best_robust import robust
 from branchline.best_roster import roster
 from branchline.best_trains import trains
 from branchline.dispatching import deadlock, displib
+from branchline.progress import said_if_long
 
 best = typer.Typer(
     no_args_is_help=True,
-    help="Search for the best interval, loops, trains, equipment or duties, with a proven bound.",
 )
+
+
+@best.callback()
+def _of_all_searches(context: typer.Context) -> None:
+    """Search for the best interval, loops, trains, equipment or duties, with a proven bound."""
+    what = f"searching for the best {context.invoked_subcommand}"
+    context.obj = context.with_resource(said_if_long(what, ever_rarer=False))
+
+
 best.command()(interval)
 best.command()(loops)
 best.command()(trains)

@@ -51,7 +51,8 @@ def equipment(
         ),
     ] = None,
     check: Annotated[
-        Path | None, typer.Option("--check", help="Only check this proof; search nothing.")
+        Path | None,
+        typer.Option("--check", help="Without --out or --proof: only check this proof; search nothing."),
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -37,7 +37,10 @@ def interval(
     ] = None,
     check: Annotated[
         Path | None,
-        typer.Option("--check", help="Only check this proof against the line's own times; search nothing."),
+        typer.Option(
+            "--check",
+            help="Without --out or --proof: only check this proof against the line's own times; search nothing.",
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -36,7 +36,10 @@ def roster(
         typer.Option("--proof", help="Where the certificate that fewer cannot do is written (JSON)."),
     ] = None,
     check: Annotated[
-        Path | None, typer.Option("--check", help="Only check this certificate; search nothing.")
+        Path | None,
+        typer.Option(
+            "--check", help="Without --out or --proof: only check this certificate; search nothing."
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

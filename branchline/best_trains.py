@@ -13,6 +13,7 @@ from branchline.options import Json, ScenarioName
 
 
 def trains(
+    context: typer.Context,
     scenario: ScenarioName,
     every: Annotated[int, typer.Option("--every", min=1, max=1440, help="Length of the pattern, min.")] = 60,
     set_late: SetLate = False,
@@ -29,7 +30,7 @@ def trains(
     if out is not None:
         new_day(out, scenario)
     setup = load_scenario(scenario).setup
-    found = most_trains(setup, 60 * every, SET_LATE if set_late else AS_UNITS_ASK)
+    found = most_trains(setup, 60 * every, SET_LATE if set_late else AS_UNITS_ASK, context.obj)
     if out is not None and found.waits is not None:
         write_day_of(out, setup, found.pattern, found.waits.moves_s, 60 * every, scenario)
     proven = "as many as can be" if found.trains == found.at_most else f"no more than {found.at_most} can be"

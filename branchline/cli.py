@@ -30,6 +30,7 @@ from branchline.headways import headway
 from branchline.importing import importers
 from branchline.making import makers
 from branchline.measuring import bench
+from branchline.partners import with_partners
 from branchline.plotting import plot
 from branchline.progress import CompilingShown
 from branchline.reporting import report
@@ -81,7 +82,7 @@ app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 
 
 # Put together once a process: that takes as long as a short command.
-whole_command = cache(partial(typer.main.get_command, app))
+whole_command = cache(lambda: with_partners(typer.main.get_command(app)))
 
 
 def main() -> None:

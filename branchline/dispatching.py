@@ -19,7 +19,11 @@ def displib(
     instance: Annotated[Path, typer.Argument(help="Instance in the form of DISPLIB (JSON).")],
     out: Annotated[Path | None, typer.Option("--out", help="Where the solution is written (JSON).")] = None,
     check: Annotated[
-        Path | None, typer.Option("--check", help="Say what is wrong with this solution, and solve nothing.")
+        Path | None,
+        typer.Option(
+            "--check",
+            help="Without --out or --work: say what is wrong with this solution, and solve nothing.",
+        ),
     ] = None,
     work: Annotated[
         float,

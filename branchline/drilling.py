@@ -67,8 +67,8 @@ def drill(
         bool,
         typer.Option(
             "--resume",
-            help="With --out: keep the runs of the same inputs that an earlier sweep, stopped or complete, has left"
-            " there, even by another version of the code, and run the rest.",
+            help="With --sweep, --sweep-kinds or --at: keep the runs of the same inputs that an earlier sweep, stopped"
+            " or complete, has left in --out, even by another version of the code, and run the rest.",
         ),
     ] = False,
     every: Annotated[
@@ -77,13 +77,25 @@ def drill(
     ] = 1.0,
     from_time: Annotated[
         str | None,
-        typer.Option("--from", help="First instant, HH:MM; default just before the trains concerned begin."),
+        typer.Option(
+            "--from",
+            help="With --sweep, --sweep-kinds or --at: first instant, HH:MM; default just before the trains begin.",
+        ),
     ] = None,
     to_time: Annotated[
-        str | None, typer.Option("--to", help="Last instant, HH:MM; default when their day has ended.")
+        str | None,
+        typer.Option(
+            "--to",
+            help="With --sweep, --sweep-kinds or --at: last instant, HH:MM; default the end of their day.",
+        ),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option("--jobs", min=1, help="Runs at a time; default one per processor.")
+        int | None,
+        typer.Option(
+            "--jobs",
+            min=1,
+            help="With --sweep, --sweep-kinds or --at: runs at a time; default one per processor.",
+        ),
     ] = None,
 ) -> None:
     """Run a drill and print the verdict on each of its expectations.

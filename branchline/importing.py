@@ -11,6 +11,7 @@ from branchline.displib import import_displib
 from branchline.gtfs import import_gtfs
 from branchline.importing_layout import import_osm_command, import_railml_command, import_sumo_command
 from branchline.importing_timetables import import_mini_tokyo
+from branchline.options import FragmentOut
 from branchline.oudia import import_oudia
 from branchline.progress import print_aside, said_if_long
 
@@ -24,7 +25,7 @@ importers.command("sumo")(import_sumo_command)
 def import_geometry_command(
     polyline: Annotated[Path, typer.Argument(help="Track polyline (GeoJSON, longitude and latitude).")],
     stations: Annotated[Path, typer.Argument(help="Stations of the line (JSON of the same source).")],
-    out: Annotated[Path, typer.Argument(help="TOML fragment to write.")],
+    out: FragmentOut,
 ) -> None:
     """Fit straights, transitions, curves and kilometrage to a track polyline."""
     from exchange.geometry import import_geometry

@@ -9,22 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from branchline.ending import print_json
-from branchline.options import Json
+from branchline.options import Json, StationListOut
 from branchline.progress import print_aside
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
     from exchange.layout import ForeignLayout
 
-OutList = Annotated[
-    Path | None,
-    typer.Argument(help="Station list (TOML) to write, for `branchline new line`."),
-]
-
 
 def import_railml_command(
     file: Annotated[Path, typer.Argument(help="A railML file of version 2.4 or 3.2.")],
-    out: OutList = None,
+    out: StationListOut = None,
     as_json: Json = False,
 ) -> None:
     """Read tracks, points, stations and signals from a railML infrastructure file."""
@@ -37,7 +32,7 @@ def import_osm_command(
     file: Annotated[
         Path, typer.Argument(help="OpenStreetMap XML (.osm) with the rails of a line or a station.")
     ],
-    out: OutList = None,
+    out: StationListOut = None,
     net: Annotated[
         Path | None, typer.Option("--net", help="SUMO net to write (.net.xml); needs the extra net.")
     ] = None,
@@ -57,7 +52,7 @@ def import_osm_command(
 
 def import_sumo_command(
     net: Annotated[Path, typer.Argument(help="A SUMO net (.net.xml or .net.xml.gz).")],
-    out: OutList = None,
+    out: StationListOut = None,
     additional: Annotated[
         Path | None, typer.Option("--additional", help="Additional file of the net, for its train stops.")
     ] = None,

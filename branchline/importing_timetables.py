@@ -103,8 +103,6 @@ def write_or_count(
 
     if wanted.line is None and wanted.out is not None:
         raise InputError(COMMAND_LINE, "--line", None, "the line of the timetable file that is to be written")
-    if wanted.line is None and wanted.train is not None:
-        raise InputError(COMMAND_LINE, "--line", None, f"the line that {wanted.train} is to run on")
     figures = {**(counts or {}), **timetable_counts(published)} if wanted.line is None else {}
     if wanted.line is not None:
         imported, line = _imported(published, wanted)

@@ -9,6 +9,16 @@ import typer
 
 from branchline.ending import JSON_OPTION
 
+
+def _free(out: Path | None) -> Path | None:
+    """Before anything is read: nothing stands there."""
+    from network.files.json_input import check_free
+
+    if out is not None:
+        check_free(out)
+    return out
+
+
 ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario, or a scenario file (.toml).")]
 Json = Annotated[
     bool, typer.Option(JSON_OPTION, help="Print one JSON object on stdout and nothing else there.")
@@ -36,42 +46,63 @@ LineName = Annotated[
     ),
 ]
 TimetableOut = Annotated[
-    Path | None, typer.Argument(help="Timetable file (TOML) to write; without it nothing is written.")
+    Path | None,
+    typer.Argument(
+        help="Timetable file (TOML) to write, a new one; without it nothing is written.", callback=_free
+    ),
 ]
+StationListOut = Annotated[
+    Path | None,
+    typer.Argument(
+        help="Station list (TOML) to write, a new file, for `branchline new line`.", callback=_free
+    ),
+]
+FragmentOut = Annotated[Path, typer.Argument(help="TOML fragment to write, a new file.", callback=_free)]
 TimetableId = Annotated[
-    str | None, typer.Option("--id", help="Id of the timetable; default made of line and day.")
+    str | None, typer.Option("--id", help="With --line: id of the timetable; default made of line and day.")
 ]
 ByHand = Annotated[
     list[str] | None,
     typer.Option(
-        "--name", help="Match a station by hand: SOURCE=ID, or SOURCE=- to leave it out; may be repeated."
+        "--name",
+        help="With --line: match a station by hand: SOURCE=ID, or SOURCE=- to leave it out; may be repeated.",
     ),
 ]
 ByHandFile = Annotated[
-    Path | None, typer.Option("--names", help='TOML file of such pairs: "name in the source" = "id".')
+    Path | None,
+    typer.Option("--names", help='With --line: TOML file of such pairs: "name in the source" = "id".'),
 ]
 Additions = Annotated[
     str | None,
     typer.Option(
-        "--add", help="Trains and sets that the source lacks: shipped additions, or a file (.toml)."
+        "--add",
+        help="With --line: trains and sets that the source lacks: shipped additions, or a file (.toml).",
     ),
 ]
 RunBy = Annotated[
     str | None,
     typer.Option(
         "--train",
-        help="A shipped train, or a train file (.toml): computed arrivals are no earlier than it can run; a source with"
-        " departures alone is arranged as `branchline arrange` does it.",
+        help="With --line: a shipped train, or a train file (.toml): computed arrivals are no earlier than it can run;"
+        " a source with departures alone is arranged as `branchline arrange` does it.",
     ),
 ]
-TurnMin = Annotated[int, typer.Option("--turn-min", min=0, max=86_400, help="Least time to turn back, s.")]
+TurnMin = Annotated[
+    int, typer.Option("--turn-min", min=0, max=86_400, help="With --line: least time to turn back, s.")
+]
 Without = Annotated[
     list[str] | None,
     typer.Option(
-        "--without", help="A train to leave out, by its number on the line; several times for several."
+        "--without",
+        help="With --line: a train to leave out, by its number on the line; several times for several.",
     ),
 ]
 OutsideMin = Annotated[
     int,
-    typer.Option("--outside-min", min=0, max=86_400, help="Least time that a set stays beyond a portal, s."),
+    typer.Option(
+        "--outside-min",
+        min=0,
+        max=86_400,
+        help="With --line: least time that a set stays beyond a portal, s.",
+    ),
 ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from branchline.comparing import OVER_S, Over, check_over, print_comparison
+from branchline.comparing import OVER_S, check_over, print_comparison
 from branchline.ending import AskedToStop, end, judged_outcome, print_json
 from branchline.options import Json, LinkName, Out, ScenarioName, Seed, UnitsName
 from branchline.progress import print_aside
@@ -51,7 +51,10 @@ def run(
     against: Annotated[
         Path | None, typer.Option("--against", help="Also say what changed since this run of the same line.")
     ] = None,
-    over: Over = OVER_S,
+    over: Annotated[
+        float,
+        typer.Option("--over", help="With --against: list only times that moved by more than this, s."),
+    ] = OVER_S,
     begins: Annotated[
         str | None,
         typer.Option(

@@ -59,8 +59,7 @@ def serve(
         from console.server import DeskServer, listening_on
         from study.record.read_back import RunRead
 
-    if (listen is None) is not (tokens is None):
-        raise InputError(COMMAND_LINE, "--tokens", tokens, "a new file with --listen, and only then")
+    _check_together(name, seed, listen, tokens)
     first = None if name is None else opened(name, seed)
     other = None if beside is None else opened(str(beside))
     if other is not None and not (isinstance(first, RunRead) and isinstance(other, RunRead)):
@@ -110,6 +109,13 @@ def serve(
             web.run(sockets=[bound])
         finally:
             _stop(desks)
+
+
+def _check_together(name: str | None, seed: int | None, listen: str | None, tokens: Path | None) -> None:
+    if (listen is None) is not (tokens is None):
+        raise InputError(COMMAND_LINE, "--tokens", tokens, "a new file with --listen, and only then")
+    if seed is not None and (name is None or Path(name).is_dir()):
+        raise InputError(COMMAND_LINE, "--seed", seed, "the name of a scenario or a drill with it")
 
 
 def _stop(desks: list[LiveDesk]) -> None:

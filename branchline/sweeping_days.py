@@ -43,7 +43,8 @@ def sweep(
         int | None, typer.Option("--days", help="Days of each point; default as in the file.")
     ] = None,
     recycle: Annotated[
-        int, typer.Option("--recycle", min=1, help="Days after which a process is replaced.")
+        int,
+        typer.Option("--recycle", min=1, help="Without --scheduler: days after which a process is replaced."),
     ] = 200,
     anyway: Annotated[
         bool, typer.Option("--anyway", help="Go on even if days were run by another version of the code.")

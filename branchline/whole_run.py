@@ -116,10 +116,6 @@ def elsewhere_of(
 ) -> Elsewhere | None:
     """The parties on other machines, as options name them; InputError where they do not go together."""
     if listen is None:
-        given = {"--certificates": certificates, "--elsewhere": ", ".join(party_ids) or None}
-        for option, value in given.items():
-            if value is not None:
-                raise InputError(COMMAND_LINE, option, value, "--listen, where other machines find this one")
         return None
     if link_of(link) is not PartyLink.ZENOH:
         raise InputError(COMMAND_LINE, "--listen", listen, "--link zenoh, which processes need")

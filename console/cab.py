@@ -17,6 +17,7 @@ from onboard.driving.laws.table import LAWS
 from onboard.duty.records import DrivingCommand
 from onboard.mission import Target
 from study.wording.catalogue import phrases_of
+from study.wording.phrase import Names, Phrase, joined_phrases, names_of
 from study.wording.reasons import reason
 
 LIMIT_BEFORE_ROAD_M: Final = STOPS_SHORT_M + 1.0
@@ -41,8 +42,8 @@ def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
     target = None if duty is None else _next_stop(command, duty.mission.targets)
     stands = target if command.stands_at is None or duty is None else duty.mission.targets[command.stands_at]
     handed = LAWS[int(laws.number)].name == by_hand.__name__
-    waits = simulation.waits_for(slot)
     line, path = session.scenario.setup.line, trains.true_path(slot) if on_line else None
+    waits = wait_text(simulation.waits_for(slot), names_of(line))
     ahead = None
     if motion is not None and path is not None:
         roads = line.crossings.values()
@@ -77,8 +78,8 @@ def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
         arrives_s=None if target is None else target.arrival_s,
         departs_s=None if stands is None else stands.departure_s,
         held=command.held,
-        waits_for=waits,
-        waits_for_ja=wait_ja(waits),
+        waits_for=waits.en,
+        waits_for_ja=waits.in_("ja"),
         crossing=None if ahead is None else _crossing_shown(crossings, unit, *ahead, at_m),
     )
 
@@ -100,10 +101,10 @@ def _crossing_shown(
     return CrossingInCab(name=crossing.name, ahead_m=ahead_m, state=known.state, creeps=bool(known.creeps))
 
 
-def wait_ja(waits_for: str) -> str:
-    """What a train waits for, in Japanese."""
+def wait_text(waits_for: str, names: Names) -> Phrase:
+    """What a train waits for, in words, with the names of stations."""
     known = phrases_of("cause").get(waits_for)
-    return "、".join(reason(one).in_("ja") for one in waits_for.split("; ")) if known is None else known.ja
+    return known or joined_phrases((reason(one, names) for one in waits_for.split("; ")), "; ")
 
 
 def _next_stop(command: DrivingCommand, targets: tuple[Target, ...]) -> Target | None:

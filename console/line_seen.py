@@ -36,6 +36,7 @@ from simulation.events import (
 )
 from simulation.setup import Setup
 from study.wording.events import EVENT_WORDINGS, event_text
+from study.wording.parties import party
 from study.wording.phrase import names_of
 from wayside import said
 from wayside.crossing_said import CrossingUnproven
@@ -160,6 +161,7 @@ class LineSeen:
             shown = EventShown(
                 time_s=entry.t_s,
                 who=entry.who,
+                who_ja=party(entry.who).in_("ja"),
                 text=words.en,
                 text_ja=words.in_("ja"),
                 alarm=isinstance(entry.event, ALARMS) or _refuses_person(entry),

@@ -271,6 +271,7 @@ class EventShown(msgspec.Struct, frozen=True, kw_only=True):
 
     time_s: float
     who: str
+    who_ja: str
     text: str
     text_ja: str
     alarm: bool

@@ -9,7 +9,7 @@ from typing import Final
 import msgspec
 
 from console.books import posts_drawn, roles_taken, works_drawn, works_shown
-from console.cab import cab_of, wait_ja
+from console.cab import cab_of, wait_text
 from console.line_drawn import CrossingDrawn, FaultKind, PointsDrawn, SectionDrawn, StationDrawn, TrainOnPlan
 from console.line_seen import LineSeen, SeenEvent
 from console.protocol import (
@@ -34,6 +34,7 @@ from simulation.faults.script import AT_CROSSING, BY_ROLE, ActKind
 from simulation.faults.table import KINDS
 from simulation.judge.checkers import Checker
 from simulation.setup import STEPS_PER_S, Setup
+from study.wording.phrase import names_of
 from study.wording.script import fault_name, item_text
 
 CREW_SEEN: Final = "crew"  # whose acts drivers know of
@@ -173,7 +174,8 @@ def _true_train(session: Session, train: TrainShown) -> TrainShown:
     motion = session.motion(slot)
     path = trains.true_path(slot)
     piece = session.scenario.setup.line.pieces[path.step_at(motion.position_m).piece_id]
-    waits_for = session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else ""
+    said = session.simulation.waits_for(slot) if motion.speed_mps == 0.0 else ""
+    waits = wait_text(said, names_of(session.scenario.setup.line))
     duty = trains.duties[slot]  # a unit that is off tells of no train
     return msgspec.structs.replace(
         train,
@@ -181,8 +183,8 @@ def _true_train(session: Session, train: TrainShown) -> TrainShown:
         at_m=path.kilometrage_m(motion.position_m),
         section=piece.section_id,
         speed_mps=motion.speed_mps,
-        waits_for=waits_for,
-        waits_for_ja=wait_ja(waits_for),
+        waits_for=waits.en,
+        waits_for_ja=waits.in_("ja"),
     )
 
 

@@ -64,8 +64,8 @@ their path beside the scenario that names them.
 
 An `identifier` is at most 64 of `A-Z a-z 0-9 . _ -`, begins with a letter or a digit, does not end in a dot and is no
 name that Windows reserves for a device (`con`, `nul.toml`), because it is used for directories, ids of SUMO and keys
-of Zenoh. Japanese is for `name` and `name_ja`. Text has no control characters; a name is one line of at most 200
-characters.
+of Zenoh. Japanese is for `name` and `name_ja`. Text has no characters that are not seen
+(control characters, marks of direction such as U+202E); a name is one line of at most 200.
 """
 _TOGETHER: Final = """## How the files go together
 

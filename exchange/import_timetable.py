@@ -162,8 +162,8 @@ def _dwell(trains: Iterable[TrainOnLine]) -> str:
     times = (
         time_s
         for train in trains
-        for i, call in enumerate(train.calls)
-        if i not in train.inferred
+        for call in train.calls
+        if not call.inferred
         for time_s in (call.arrival_s, call.departure_s)
     )
     whole = all(time_s is None or time_s % 60 == 0 for time_s in times)

@@ -23,7 +23,7 @@ from exchange.joined import (
     without_geometry,
 )
 from network.errors import COMMAND_LINE, InputError
-from network.files.json_input import write_aside
+from network.files.json_input import check_free, write_aside
 from network.files.line_file import parse_line
 from network.files.names import IDENTIFIER_HELP, TITLE_HELP, is_identifier, title_of
 from network.files.quantities import SPEED, TRAIN_LENGTH
@@ -115,6 +115,7 @@ def write_line(list_file: Path, out_file: Path, options: NewLineOptions) -> NewL
         raise InputError(str(out_file), "", None, "a writable path in an existing folder")
     if out_file.suffix != ".toml":
         raise InputError(COMMAND_LINE, "OUT", str(out_file), "a name ending in .toml")
+    check_free(out_file)
     new_line = make_line(list_file, out_file.stem, options)
     write_aside(out_file, new_line.text)
     return new_line

@@ -25,7 +25,6 @@ from exchange.running import (
     KnownRunningTimes,
     Running,
     StationRun,
-    TimedCalls,
     UntimedError,
     least_s,
     leg_of,
@@ -127,7 +126,7 @@ def onto_line(
             remarks.note(f"left out: {{}} ({why})", cut.number)
             continue
         trains.append(_planned(cut, timed, line, remarks))
-        computed += len(timed.inferred)
+        computed += sum(call.inferred for call in timed)
     if not trains:
         raise InputError(
             file, "trains", f"{len(published.trains)} trains", f"one with two stops on {line.id}"
@@ -260,7 +259,7 @@ def _call(
         arrival_s, departure_s = None, departure_s if departure_s is not None else arrival_s
     if arrival_s is not None and departure_s is not None and departure_s < arrival_s:
         raise UntimedError(f"it leaves {station.name} at {clock(departure_s)}, before it arrives")
-    return Call(station.id, track, arrival_s, departure_s, call.kind)
+    return Call(station.id, track, arrival_s, departure_s, call.kind, call.inferred)
 
 
 def _track_named(name: str, tracks: Sequence[PlatformTrack], direction: Direction) -> str | None:
@@ -289,7 +288,8 @@ def _merged(calls: Sequence[Call]) -> list[Call]:
         arrival_s = first.arrival_s if first.arrival_s is not None else call.arrival_s
         departure_s = call.departure_s if call.departure_s is not None else first.departure_s
         arrival_s = None if kind is CallKind.PASS else arrival_s
-        found[-1] = Call(call.station_id, call.track or first.track, arrival_s, departure_s, kind)
+        track, inferred = call.track or first.track, call.inferred or first.inferred
+        found[-1] = Call(call.station_id, track, arrival_s, departure_s, kind, inferred)
     return found
 
 
@@ -315,7 +315,7 @@ def _trim_passes(cut: _UntimedTrain, line: Line, remarks: _Remarks) -> None:
         raise UntimedError("it stops at less than two stations of the line")
 
 
-def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, remarks: _Remarks) -> TimedCalls:
+def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, remarks: _Remarks) -> tuple[Call, ...]:
     """The train's calls with all times; at the ends of its run there is one time, on the way there are two."""
     calls = cut.calls
     first, last = calls[0], calls[-1]
@@ -329,9 +329,9 @@ def _timed(cut: _UntimedTrain, line: Line, times: KnownRunningTimes, remarks: _R
             calls[-1] = replace(last, departure_s=None)
     positions_m = [line.stations[call.station_id].position_m for call in calls]
     timed = _spaced(with_all_times(calls, positions_m, times), positions_m, line, cut.number, remarks)
-    if timed.calls[0].first_s >= WRITTEN_S_END:
-        raise UntimedError(f"it begins at {clock(timed.calls[0].first_s)}, which a day's file does not reach")
-    _say_short(timed.calls, times, line, cut.number, remarks)
+    if timed[0].first_s >= WRITTEN_S_END:
+        raise UntimedError(f"it begins at {clock(timed[0].first_s)}, which a day's file does not reach")
+    _say_short(timed, times, line, cut.number, remarks)
     return timed
 
 
@@ -351,11 +351,10 @@ def _say_short(
 
 
 def _spaced(
-    timed: TimedCalls, positions_m: Sequence[float], line: Line, number: str, remarks: _Remarks
-) -> TimedCalls:
+    timed: Sequence[Call], positions_m: Sequence[float], line: Line, number: str, remarks: _Remarks
+) -> tuple[Call, ...]:
     """Times in whole minutes may leave none for a run: within the minute the later time is moved."""
-    calls = list(timed.calls)
-    inferred = set(timed.inferred)
+    calls = list(timed)
     for i in range(1, len(calls)):
         before, call = calls[i - 1], calls[i]
         run_s = math.floor(least_s(positions_m[i] - positions_m[i - 1]))
@@ -371,17 +370,16 @@ def _spaced(
         departure_s = call.departure_s
         if departure_s is not None:
             departure_s = max(departure_s, call.first_s + late_s)
-        calls[i] = replace(call, arrival_s=arrival_s, departure_s=departure_s)
-        inferred.add(i)
+        calls[i] = replace(call, arrival_s=arrival_s, departure_s=departure_s, inferred=True)
         remarks.note("times in one minute with those before are moved by up to a minute: {}", number)
-    return TimedCalls(tuple(calls), frozenset(inferred))
+    return tuple(calls)
 
 
-def _planned(cut: _UntimedTrain, timed: TimedCalls, line: Line, remarks: _Remarks) -> TrainOnLine:
+def _planned(cut: _UntimedTrain, timed: Sequence[Call], line: Line, remarks: _Remarks) -> TrainOnLine:
     """The train; where there is no platform it stands without passengers."""
     calls: list[Call] = []
     revenue = cut.source.revenue
-    for call in timed.calls:
+    for call in timed:
         if revenue and call.kind is CallKind.STOP and _without_platform(line, call, cut.direction):
             name = line.stations[call.station_id].name
             remarks.note(f"stops at {name}, which has no platform, are not for passengers: {{}}", cut.number)
@@ -397,7 +395,6 @@ def _planned(cut: _UntimedTrain, timed: TimedCalls, line: Line, remarks: _Remark
         cut.source.becomes,
         cut.from_beyond,
         cut.to_beyond,
-        timed.inferred,
         cut.source.working,
     )
 

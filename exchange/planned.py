@@ -17,9 +17,8 @@ class TrainOnLine:
     """A train with its calls at stations of the line.
 
     `follows` and `becomes` are numbers of this day's trains that the same set runs before and after, where the source
-    says so. `from_beyond`, `to_beyond`: it comes from, goes on to, a place beyond the line, over a portal. `inferred`:
-    indices of calls with a time that is not the source's but computed. `working`: what one set runs, where the source
-    numbers that.
+    says so. `from_beyond`, `to_beyond`: it comes from, goes on to, a place beyond the line, over a portal. `working`:
+    what one set runs, where the source numbers that.
     """
 
     number: str
@@ -30,7 +29,6 @@ class TrainOnLine:
     becomes: tuple[str, ...] = ()
     from_beyond: bool = False
     to_beyond: bool = False
-    inferred: frozenset[int] = frozenset()
     working: str = ""
 
 

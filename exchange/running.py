@@ -53,14 +53,6 @@ class UntimedError(Exception):
     """A train with too few times for the others to be found; the message says where."""
 
 
-@dataclass(frozen=True, slots=True)
-class TimedCalls:
-    """Calls with all the times that a timetable needs; `inferred` are indices of those with one that was computed."""
-
-    calls: tuple[Call, ...]
-    inferred: frozenset[int]
-
-
 def leg_of(before: Call, after: Call) -> StationRun:
     """The leg between two calls."""
     return StationRun(before.station_id, after.station_id, before.stops, after.stops)
@@ -113,25 +105,22 @@ def observed_running(trains: Iterable[Sequence[Call]], *, rough: bool = False) -
 
 def with_all_times(
     calls: Sequence[Call], positions_m: Sequence[float], times: KnownRunningTimes
-) -> TimedCalls:
-    """Calls with the times that the source leaves out; `positions_m` (m) are those of the calls' stations.
+) -> tuple[Call, ...]:
+    """Calls with the times that the source leaves out, inferred; `positions_m` (m) are those of the calls' stations.
 
     Raises UntimedError where nothing before or after tells when the train is there.
     """
     given = list(calls)
-    inferred: set[int] = set()
-    _fill_untimed(given, positions_m, times, inferred)
+    _fill_untimed(given, positions_m, times)
     for i, call in enumerate(given):
         if not call.stops or i == 0:
             continue
         if call.arrival_s is None:
-            given[i] = replace(call, arrival_s=_arrival_s(given[i - 1], call, times))
-            inferred.add(i)
+            given[i] = replace(call, arrival_s=_arrival_s(given[i - 1], call, times), inferred=True)
         elif call.departure_s is None and i < len(given) - 1:
             latest_s = max(call.arrival_s, given[i + 1].first_s - 1)
-            given[i] = replace(call, departure_s=min(call.arrival_s + DWELL_S, latest_s))
-            inferred.add(i)
-    return TimedCalls(tuple(given), frozenset(inferred))
+            given[i] = replace(call, departure_s=min(call.arrival_s + DWELL_S, latest_s), inferred=True)
+    return tuple(given)
 
 
 def _arrival_s(before: Call, call: Call, times: KnownRunningTimes) -> int:
@@ -151,14 +140,12 @@ def _untimed(call: Call) -> bool:
     return call.arrival_s is None and call.departure_s is None
 
 
-def _fill_untimed(
-    calls: list[Call], positions_m: Sequence[float], times: KnownRunningTimes, inferred: set[int]
-) -> None:
+def _fill_untimed(calls: list[Call], positions_m: Sequence[float], times: KnownRunningTimes) -> None:
     """Calls with no time at all lie between those around them in proportion of the legs' running times."""
     timed = [i for i, call in enumerate(calls) if not _untimed(call)]
     if not timed:
         raise UntimedError("no time is given at all")
-    _fill_ends(calls, timed, times, inferred)
+    _fill_ends(calls, timed, times)
     timed = [i for i, call in enumerate(calls) if not _untimed(call)]
     for first, last in pairwise(timed):
         if last == first + 1:
@@ -176,23 +163,20 @@ def _fill_untimed(
         ]
         for i in range(first + 1, last):
             calls[i] = _at(calls[i], from_s + round(sum(times_s[: i - first])))
-            inferred.add(i)
 
 
-def _fill_ends(calls: list[Call], timed: Sequence[int], times: KnownRunningTimes, inferred: set[int]) -> None:
+def _fill_ends(calls: list[Call], timed: Sequence[int], times: KnownRunningTimes) -> None:
     """What lies before the first and after the last time given follows from running times, or is not known."""
     for i in range(timed[0] - 1, -1, -1):
         run_s = _run_s(leg_of(calls[i], calls[i + 1]), times)
         if run_s is None:
             raise UntimedError(f"no time is given at {calls[i].station_id}, where it begins")
         calls[i] = _at(calls[i], calls[i + 1].first_s - round(run_s))
-        inferred.add(i)
     for i in range(timed[-1] + 1, len(calls)):
         run_s = _run_s(leg_of(calls[i - 1], calls[i]), times)
         if run_s is None:
             raise UntimedError(f"no time is given at {calls[i].station_id}, where it ends")
         calls[i] = _at(calls[i], calls[i - 1].last_s + round(run_s))
-        inferred.add(i)
 
 
 def _run_s(leg: StationRun, times: KnownRunningTimes) -> float | None:
@@ -201,7 +185,7 @@ def _run_s(leg: StationRun, times: KnownRunningTimes) -> float | None:
 
 
 def _at(call: Call, time_s: int) -> Call:
-    return replace(call, arrival_s=time_s if call.stops else None, departure_s=time_s)
+    return replace(call, arrival_s=time_s if call.stops else None, departure_s=time_s, inferred=True)
 
 
 def _shares(calls: Sequence[Call], least: Sequence[float], legs: range, running: Running) -> list[float]:

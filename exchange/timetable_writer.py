@@ -49,7 +49,7 @@ def file_of_trains(
     for train in trains:
         number, tracks = train.number, workings.tracks
         calls = [
-            call_table(replace(call, track=tracks.get((number, i), call.track), inferred=i in train.inferred))
+            call_table(replace(call, track=tracks.get((number, i), call.track)))
             for i, call in enumerate(train.calls)
         ]
         ways = workings.begins[number], workings.ends[number]

@@ -159,6 +159,7 @@ class PositionRun:
         self._lost = False
         trains = self.trains
         trains.place(SLOT, self.duty)
+        trains.begin_leg(SLOT, self.duty.enter_s)
         self.motion: Final = new_motion(trains, SLOT, new_keeper(trains, SLOT, learns=False))
         data = path_data(trains, SLOT, believed.path)
         self.motion.stand_at_start(believed, data, float(trains.tachometers[SLOT].odometer_m))

@@ -7,7 +7,7 @@ a part of it and runs by itself, so that the tests can run it alone; `--out` and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Final
@@ -94,7 +94,8 @@ class Findings:
 class Specification:
     """One reproduction; called with options, it runs. `slice`: what `--quick` leaves out; `beside`: a second column.
 
-    `driven`: by which set of parameters its trains are driven, or why by none.
+    `driven`: by which set of parameters its trains are driven, or why by none. `whole`: cases whose criterion is of all
+    runs, so that a slice tells them and judges them not.
     """
 
     name: str
@@ -104,26 +105,33 @@ class Specification:
     driven: ParameterSet | NotDriven
     slice: str = ""
     beside: str = ""
+    whole: tuple[str, ...] = ()
 
     def __call__(self, options: Options) -> Reproduction:
         """Run the experiment and its null method, and draw where that is asked for."""
         found = self.run(options)
         null = self.null.run(options) if found.null is None else found.null
-        remarks = list(found.remarks)
+        rows, remarks = list(found.rows), list(found.remarks)
         if options.out is not None and found.draw is not None:
             remarks.append("drawn: " + ", ".join(path.name for path in found.draw(Path(options.out))))
         if options.quick and self.slice:
             remarks.append(self.slice)
+            rows = [_of_slice(row) if row.case in self.whole else row for row in rows]
         return Reproduction(
             self.name,
             self.title,
             (*found.parameters, *self.driven.parameters()),
-            (*found.rows, *self.null.rows(null)),
+            (*rows, *self.null.rows(null)),
             tuple(remarks),
             tuple(found.figures),
             self.beside,
             null=self.null,
         )
+
+
+def _of_slice(row: CaseRow) -> CaseRow:
+    criterion = f"of all runs, not judged of some: {row.criterion}"
+    return replace(row, passed=True, judged=False, criterion=criterion)
 
 
 def reproduction(name: str) -> Specification:

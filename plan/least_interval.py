@@ -204,12 +204,12 @@ def _needed(found: Sequence[ExcludedPeriods]) -> tuple[ExcludedPeriods, ...]:
     return tuple(reversed(needed))
 
 
-def least_waits(pattern: RepeatedPaths, bounds: LegBounds, period: int) -> LeastWaits:
-    """The moves with which trains wait least on their way, repeated after so many ticks."""
+def least_waits(pattern: RepeatedPaths, bounds: LegBounds, period: int, work: float = WORK) -> LeastWaits:
+    """The moves with which trains wait least on their way, repeated after so many ticks, as counted work finds them."""
     model = MovingModel(bounds, bounds.in_a_period(period), period)
     own = _slices(pattern.legs)
     model.model.minimize(sum(model.moves[part][-1] - model.moves[part][0] for part in own))
-    found = model.solve(WORK)
+    found = model.solve(work)
     if found.moves is None:
         return LeastWaits((), math.nan, proven=False, impossible=found.impossible)
     stands = (bound for bound in bounds.always if not bound.section_id and bound.after > bound.before)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 from plan.least_interval import (
     AS_UNITS_ASK,
@@ -19,6 +21,8 @@ from plan.moving.bounds import counted_again
 from simulation.setup import Setup
 from study.capacity.compression import held_sections
 from study.capacity.rules import Rules
+
+TRIED: Final = 1.0  # of the solver's work, for each number of trains: those that fit are found in far less
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +41,13 @@ class MostTrains:
     waits: LeastWaits | None
 
 
-def most_trains(setup: Setup, every_s: int, rules: Rules = AS_UNITS_ASK) -> MostTrains:
+def most_trains(
+    setup: Setup, every_s: int, rules: Rules = AS_UNITS_ASK, tell: Callable[[str], None] = lambda _: None
+) -> MostTrains:
     """The most trains each way every so many seconds. Raises InputError where none run from one end to the other.
 
     Sets that never leave the line follow one another round and round, and turn on the tracks of each end by turns.
+    `tell` hears what is tried.
     """
     one = pattern_of(setup, rules)
     if one.goes_round:
@@ -48,9 +55,12 @@ def most_trains(setup: Setup, every_s: int, rules: Rules = AS_UNITS_ASK) -> Most
     section_id, held_s = _longest_held(setup, one)
     trains = at_most = int(every_s // held_s)
     while trains > 0:
-        pattern = pattern_of(setup, rules, trains)
-        found = least_waits(pattern, pattern.bounds(), round(every_s / TERMS.tick_s))
+        tell(f"{trains} trains each way of at most {at_most}")
+        pattern, period = pattern_of(setup, rules, trains), round(every_s / TERMS.tick_s)
+        bounds = pattern.bounds()
+        found = least_waits(pattern, bounds, period, TRIED)
         if found.moves_s:
+            found = found if found.proven else least_waits(pattern, bounds, period)
             return MostTrains(trains, at_most, section_id, held_s, pattern, found)
         if found.impossible and at_most == trains and not one.goes_round:  # others may turn in another order
             at_most -= 1

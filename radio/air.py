@@ -20,6 +20,7 @@ import msgspec
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
+from network.files.chances import BitError, GoodLoss
 from network.files.kinds import about
 from network.files.quantities import AddedDelay, LinkRate, Probability, TelegramDelay
 from network.files.toml_input import Record
@@ -69,7 +70,7 @@ class AirParameters(Record):
         Field(strict=False),
         about("constant, or the least plus an exponential tail with that mean", "assumed: a queueing tail"),
     ] = DelayShape.EXPONENTIAL
-    loss_good_p: Annotated[Probability, about("loss while the link is good", "assumed: a perfect link")] = 0.0
+    loss_good_p: Annotated[GoodLoss, about("loss while the link is good", "assumed: a perfect link")] = 0.0
     loss_bad_p: Annotated[Probability, about("loss while it is bad", "as in Gilbert 1960")] = 1.0
     good_to_bad_per_s: Annotated[
         LinkRate, about("rate at which a good link turns bad", "assumed: a perfect link")
@@ -83,7 +84,7 @@ class AirParameters(Record):
     reorder_delay_s: Annotated[
         AddedDelay, about("for how long it is held back", "assumed: a few telegrams")
     ] = 1.0
-    flip_p: Annotated[Probability, about("a bit is wrong", "assumed: a perfect link")] = 0.0
+    flip_p: Annotated[BitError, about("a bit is wrong", "assumed: a perfect link")] = 0.0
 
     @field_validator("delay_mean_s")
     @classmethod
@@ -92,6 +93,15 @@ class AirParameters(Record):
         if mean_s < least_s:
             raise ValueError(f"at least {least_s:g} (delay_min_s)")
         return mean_s
+
+    @field_validator("bad_to_good_per_s")
+    @classmethod
+    def _bad_spells_end(cls, rate: float, info: ValidationInfo) -> float:
+        if rate <= 0.0 < info.data.get("good_to_bad_per_s", 0.0):
+            raise ValueError(
+                "more than 0: a bad spell lasts 1 / this, and there are some (good_to_bad_per_s)"
+            )
+        return rate
 
     @property
     def bad_share(self) -> float:

@@ -23,6 +23,14 @@ from network.raw import is_table
 from scenario.scenario_file import ListPatch, PatchTable, ScenarioFile, SettingsPatch
 
 KEYWORDS: Final = Path("keywords")  # of tables given to `load_scenario`: their file, in errors and as a place
+# Files of other kinds, by a key that no scenario has, and what makes a scenario of one.
+_OTHERS: Final = {
+    "alignments": "line file: `branchline new timetable TIMES.toml --line {0} --scenario DAY.toml` makes one",
+    "diagrams": 'timetable: a scenario has `timetable = "{0}"` and its line',
+    "provenance": 'train file: a scenario has `[trains] default = "{0}"`, a line and a timetable',
+    "scenario": "sweep: `branchline sweep {0}` runs it",
+    "stations": "list of stations: `branchline new line {0} LINE.toml --scenario DAY.toml` makes one",
+}
 _FILES: Final = ("line", "timetable", "train")
 # Names, prose and the script are what a scenario is, not what it changes.
 _NO_CHANGE: Final = frozenset({"id", "name", "assumed", "fault", "act", "expect", "patch", "extends"})
@@ -148,6 +156,9 @@ def _layers(
     if path in above:
         raise InputError(str(path), "extends", path.stem, "a scenario that does not extend itself")
     data = parse_table(read_text(path), str(path))
+    for key, what in _OTHERS.items():
+        if key in data:
+            raise InputError(str(path), "", None, f"a scenario; this is a {what.format(path)}")
     base = data.pop("extends", None)
     if base is None:
         return [(path, data)]

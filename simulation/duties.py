@@ -409,6 +409,7 @@ class Duties:
         return self._duties[stock_id][self._next[stock_id] - 1]
 
     def _begin(self, slot: int, duty: Duty, step: int) -> None:
+        self._trains.begin_leg(slot, max(duty.enter_s, step / STEPS_PER_S))
         self._on_board.load_is(slot, float(self._trains.plants[slot].load_share))
         self._books.begin_train(slot, duty, step)
         if self._charging is not None:

@@ -6,6 +6,7 @@ does not leave. Nothing is shown of what the plan's stop takes up by itself. Doo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -56,7 +57,7 @@ class Platforms:
         self._trains, self._on_board, self._cabs = world.trains, world.on_board, cabs
         self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
         self._held: dict[int, DoorsAtStop] = {}  # by slot: what is to be, or is
-        self._open: set[int] = set()  # slots whose doors people hold open
+        self._open_until_s: dict[int, float] = {}  # by slot: doors that people hold open
         self._faulty: set[int] = set()  # slots whose doors a fault holds open
         self._open_from: dict[int, int] = {}  # by slot: since which step its doors are not closed
         if self._stays:
@@ -75,12 +76,11 @@ class Platforms:
         """Doors are to be held open, or to close."""
         what, stock_id = subject.split(" ", 1)
         slot = self._trains.slot_of[stock_id]
-        held = self._held.get(slot)
         if what == CLOSE:
-            if slot in self._open and (held is None or held.until_s * STEPS_PER_S <= step + 0.5):
-                self._open.discard(slot)
+            if self._open_until_s.get(slot, math.inf) * STEPS_PER_S <= step + 0.5:
+                del self._open_until_s[slot]
                 self._show(slot, step)
-        elif held is not None:
+        elif (held := self._held.get(slot)) is not None:
             self._hold(slot, held, step)
 
     def _stands(self, slot: int, at: int, now_s: float) -> None:
@@ -122,7 +122,7 @@ class Platforms:
             doors_s=round(held.until_s - held.boarded_s, 1),
         )
         self._journal.write(now_s, WORLD, told)
-        self._open.add(slot)
+        self._open_until_s[slot] = held.until_s
         self._show(slot, step)
         self._put(held.until_s, CLOSE, slot)
 
@@ -130,7 +130,7 @@ class Platforms:
         self._agenda.put(step_not_before(at_s), AgendaKind.PEOPLE, f"{what} {self._trains.stock_ids[slot]}")
 
     def _show(self, slot: int, step: int) -> None:
-        closed = slot not in self._open and slot not in self._faulty
+        closed = slot not in self._open_until_s and slot not in self._faulty
         if closed:
             self._open_from.pop(slot, None)
         else:

@@ -12,6 +12,7 @@ from network.files.kinds import about
 from network.files.quantities import (
     BodyDamping,
     BodyFrequency,
+    CorrelationTime,
     MarkerError,
     NoiseFactor,
     ReadError,
@@ -21,7 +22,6 @@ from network.files.quantities import (
     SpeedMps,
     SpreadShare,
     VisibilityM,
-    Wait,
     YawRateDegps,
 )
 from network.files.toml_input import Record
@@ -120,9 +120,9 @@ class Curvature(CurvatureComparison):
             "assumed: 0.005 deg/s a kelvin (ASM330LHH), 2 kelvin in the cab",
         ),
     ] = 0.01
-    bias_walk_s: Annotated[Wait, about("time constant of that change", "assumed: a cab warms in an hour")] = (
-        3600.0
-    )
+    bias_walk_s: Annotated[
+        CorrelationTime, about("time constant of that change", "assumed: a cab warms in an hour")
+    ] = 3600.0
     gain_sigma: Annotated[
         Sigma,
         about(

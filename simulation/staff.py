@@ -26,7 +26,7 @@ from radio.chance import generator
 from radio.envelope import ON_THE_AIR_S
 from radio.messages import ClaimQuery
 from radio.noted import Sent
-from simulation.events import Acted, CutOut, JournalEntry, Left, PowerOn
+from simulation.events import Acted, CrossingEntered, CutOut, JournalEntry, Left, PowerOn
 from simulation.faults.crossings import IN_ORDER
 from simulation.faults.script import Act, ActKind, Trigger
 from simulation.injector import Injector
@@ -90,7 +90,9 @@ class Staff:
         self._waits_at: dict[str, str] = {}  # by points: the unit whose crew waits for them to lie otherwise
         self._forgetful: set[str] = set()  # units that have booted since they were granted anything
         self._left: set[str] = set()  # units that were on the line
-        self._reported: set[str] = set()  # level crossings over which trains had to creep
+        self._reported: set[str] = (
+            set()
+        )  # level crossings over which trains had to creep, or that drivers saw open
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
         self._roads = roads
@@ -151,6 +153,8 @@ class Staff:
                 self._routes.pop(unit_id, None)
             case CrossingCreep(crossing_id=crossing_id):
                 self._reported.add(crossing_id)
+            case CrossingEntered(crossing_id=road) if not self._wayside.crossings.is_closed(road):
+                self._reported.add(road)
             case CrossingProven():
                 self._reported.discard(entry.who)
             case CrewWaitsAtPoints(points_id=points_id):
@@ -289,8 +293,8 @@ class Staff:
         return Act(ActKind.FREE_ROAD, crossing_id, _NOW, person) if closed else None
 
     def _see_to_guards(self, t_s: float) -> None:
-        """Somebody goes to a level crossing that is out of order, as is seen or as a driver who crept over it has
-        reported, and guards it until it is in order and has proved closed again.
+        """Somebody goes to a level crossing that is out of order, as is seen or as a driver who crept over it, or
+        came onto it open, has reported, and guards it until it is in order and has proved closed again.
         """
         crossings = self._wayside.crossings
         for crossing_id, equipment in crossings.equipment.items():

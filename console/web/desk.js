@@ -151,7 +151,7 @@ function trainTable({ state }) {
 
 function eventList({ events }) {
   return make("ul", {}, ...events.slice(-40).reverse().map((event) => make("li", { class: event.alarm ? "bad" : null },
-    `${event.alarm ? "⚠ " : ""}${clock(event.time_s, true)} ${event.who}: ${lang === "ja" ? event.text_ja : event.text}`)));
+    `${event.alarm ? "⚠ " : ""}${clock(event.time_s, true)} ${lang === "ja" ? event.who_ja : event.who}: ${lang === "ja" ? event.text_ja : event.text}`)));
 }
 
 function keptFocus(host, node) {

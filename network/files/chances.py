@@ -44,6 +44,15 @@ ROAD_TIME: Final = Quantity(
 APPROACH: Final = Quantity(
     "road before a crossing", "m", ((50.0, 5000.0),), "assumed: seven cars; queues end in a town"
 )
+GOOD_LOSS: Final = Quantity(
+    "loss of a good link", "", ((0.0, 0.99),), "assumed: of what loses more than 99 of 100, nothing is good"
+)
+BIT_ERROR: Final = Quantity(
+    "probability of a bit error",
+    "",
+    ((0.0, 0.5),),
+    "at a half a link says nothing (capacity 1 - H(p), Shannon)",
+)
 LANES: Final = Quantity("lanes each way", "", ((1, 2),), "assumed: no branch line is crossed by a wider road")
 STOP_LINE: Final = Quantity(
     "stop line to track", "m", ((2.5, 30.0),), "assumed: just clear of a train; a crossing at a sharp angle"
@@ -65,4 +74,6 @@ RoadVehicles = Annotated[float, ROAD_VEHICLES]
 RoadTime = Annotated[float, ROAD_TIME]
 ApproachM = Annotated[float, APPROACH]
 StopLineM = Annotated[float, STOP_LINE]
+GoodLoss = Annotated[float, GOOD_LOSS]
+BitError = Annotated[float, BIT_ERROR]
 Lanes = Annotated[int, LANES]

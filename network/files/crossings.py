@@ -42,8 +42,8 @@ def crossings_of(
     file: str, laid: Sequence[tuple[CrossingTable, Piece]], entry: LineFile
 ) -> dict[str, LevelCrossing]:
     """Crossings by id, each with the piece that its row names. InputError for one in a portal, in points or beside
-    them, for times under the least, a crossing that overlaps the end of its track, and contacts that are missing or not
-    before it.
+    them, in a platform, for times under the least, a crossing that overlaps the end of its track, and contacts that are
+    missing or not before it.
     """
     kinds = {section.id: section.kind for section in entry.sections}
     found: dict[str, LevelCrossing] = {}
@@ -76,6 +76,7 @@ def _crossing(
         if beside and from_m < middle_m + half_m and middle_m - half_m < to_m:
             expected = f"a place clear of points {points.id}, {points.from_km:g} to {points.to_km:g}"
             raise InputError(file, f"{key}.km", table.km, expected)
+    _check_platforms(file, f"{key}.km", table, piece, entry)
     kind, control = CrossingClass(table.kind), CrossingControl(table.control)
     closing_s, closed_s = _times(file, key, table, kind)
     crossing = LevelCrossing(
@@ -107,6 +108,20 @@ def _crossing(
         expected = 'false, or control = "contacts", a device, and no protection: whoever asks hears that it is closed'
         raise InputError(file, f"{key}.departures", True, expected)
     return crossing
+
+
+def _check_platforms(file: str, key: str, table: CrossingTable, piece: Piece, entry: LineFile) -> None:
+    """No road through a platform, on whichever track beside: a train that stands there would keep it closed."""
+    axes = {section.id: section.alignment or entry.alignments[0].id for section in entry.sections}
+    half_km = table.width_m / 2000.0
+    for station in entry.stations:
+        for track in station.tracks:
+            from_km, to_km = track.platform_from_km, track.platform_to_km
+            if from_km is None or to_km is None or axes.get(track.section) != piece.alignment_id:
+                continue
+            if from_km < table.km + half_km and table.km - half_km < to_km:
+                expected = f"a place clear of the platform of {station.id}, {from_km:g} to {to_km:g}"
+                raise InputError(file, key, table.km, f"{expected}: its trains would keep the road closed")
 
 
 def _times(file: str, key: str, table: CrossingTable, kind: CrossingClass) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import IO, TypeVar
 
 import msgspec
 
-from network.errors import InputError
+from network.errors import COMMAND_LINE, InputError
 from network.files.text_input import JSON_BYTES_MAX, check_nesting, existing_file, read_text, too_deep
 
 _T = TypeVar("_T")
@@ -40,6 +41,12 @@ def _decoded(file: Path, form: str, decode: Callable[[str], _T]) -> _T:
         raise InputError(str(file), "", None, f"valid {form}: {error}") from error
     check_nesting(str(file), data, form)
     return data
+
+
+def check_free(out_file: Path, option: str = "OUT") -> None:
+    """Of a file that is made to be edited: InputError where something stands already."""
+    if os.path.lexists(out_file):
+        raise InputError(COMMAND_LINE, option, str(out_file), "a new file: this one exists already")
 
 
 def write_aside(out_file: Path, text: str) -> None:

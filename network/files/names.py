@@ -3,7 +3,8 @@
 An identifier (ID) begins with a Latin letter or a digit and goes on with these, `.`, `_` and `-`; it is no path, ends
 in no dot, and is none of the names that Windows keeps for devices, with or without an ending. Japanese stands in the
 `name` and `name_ja` beside it: SUMO's ids and Zenoh's keys take it nowhere reliably. Text has no control characters,
-which neither XML nor a terminal shows.
+which neither XML nor a terminal shows, and none that a reader does not see: marks that turn the direction of what
+follows (U+202E), separators of lines, characters of no width.
 """
 
 from __future__ import annotations
@@ -27,7 +28,11 @@ IDENTIFIER_HELP: Final = (
     " digit, not ending in '.', and no name that Windows keeps for a device"
 )
 
-TITLE_HELP: Final = f"one line of at most {TITLE_LENGTH_MAX} characters, none of them a control character"
+# Control, surrogate, format, line and paragraph separator (Unicode, General Category).
+_UNSEEN: Final = frozenset({"Cc", "Cs", "Cf", "Zl", "Zp"})
+_JOINERS: Final = "\u200c\u200d"  # of format too, but scripts of India and Persia are spelled with them
+_SEEN_HELP: Final = "characters, none of them a control character or one that is not seen"
+TITLE_HELP: Final = f"one line of at most {TITLE_LENGTH_MAX} {_SEEN_HELP}"
 
 
 def is_identifier(text: str) -> bool:
@@ -38,8 +43,12 @@ def is_identifier(text: str) -> bool:
 
 def title_of(text: str) -> str:
     """A text as a title: one line, and no longer than a title may be."""
-    line = "".join(c for c in " ".join(text.split()) if unicodedata.category(c) not in ("Cc", "Cs"))
+    line = "".join(c for c in " ".join(text.split()) if not _unseen(c))
     return line if len(line) <= TITLE_LENGTH_MAX else line[: TITLE_LENGTH_MAX - 1] + "…"
+
+
+def _unseen(character: str) -> bool:
+    return unicodedata.category(character) in _UNSEEN and character not in _JOINERS
 
 
 def _identifier(text: str) -> str:
@@ -49,16 +58,14 @@ def _identifier(text: str) -> str:
 
 
 def _title(text: str) -> str:
-    if len(text) > TITLE_LENGTH_MAX or any(unicodedata.category(c) in ("Cc", "Cs") for c in text):
+    if len(text) > TITLE_LENGTH_MAX or any(map(_unseen, text)):
         raise ValueError(TITLE_HELP)
     return text
 
 
 def _prose(text: str) -> str:
-    if len(text) > PROSE_LENGTH_MAX or any(
-        unicodedata.category(c) in ("Cc", "Cs") for c in text if c not in "\n\t"
-    ):
-        raise ValueError(f"text of at most {PROSE_LENGTH_MAX} characters, none of them a control character")
+    if len(text) > PROSE_LENGTH_MAX or any(_unseen(c) for c in text if c not in "\n\t"):
+        raise ValueError(f"text of at most {PROSE_LENGTH_MAX} {_SEEN_HELP}")
     return text
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from network.errors import COMMAND_LINE, InputError
-from network.files.json_input import write_aside
+from network.files.json_input import check_free, write_aside
 from network.files.names import IDENTIFIER_HELP, is_identifier
 from network.files.toml_text import text_toml
 from network.model import Direction, Line, SectionKind, Station
@@ -85,6 +85,8 @@ def sample_timetable(line_file: Path, scenario_file: Path) -> Path:
         raise InputError(str(scenario_file), "", None, "a writable path in an existing folder")
     if line_file.resolve() in (scenario_file.resolve(), timetable_file.resolve()):
         raise InputError(COMMAND_LINE, "--scenario", str(scenario_file), "another name than the line file's")
+    for path in (scenario_file, timetable_file):
+        check_free(path, "--scenario")
     return timetable_file
 
 

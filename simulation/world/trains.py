@@ -365,7 +365,6 @@ class Trains:
         truth.offset_m = position_m - plant.travelled_m
         self._use_rows(slot, self.rows_of(slot, self.true_path(slot)), position_m)
         self.set_boundaries(slot)
-        self.begin_leg(slot, duty.enter_s)
         chance = generator(self.setup.seed, "load", duty.train.number, *self.setup.today)
         spread = self.setup.load.load_share_spread
         plant.load_share = float(

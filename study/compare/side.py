@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from network.errors import InputError
 from network.model import Line
 from scenario.inputs import Inputs
+from study.record.directory import labels_of
 from study.record.read_back import RunRead, read_run
 from study.report.data import ReportedRun as Course
 
@@ -52,27 +52,6 @@ def of_run(run: FinishedRun, label: str) -> ComparedRun:
     setup, scenario = run.scenario.setup, run.scenario
     course = Course(setup.line, setup.timetable, run.tables)
     return ComparedRun(label, scenario.name, scenario.inputs, run.summary, course, None, _broken(run.summary))
-
-
-def labels_of(directories: Sequence[Path]) -> tuple[str, ...]:
-    """What each directory is called: the end of its path, as short as tells it from the others."""
-    paths = [directory.resolve() for directory in directories]
-    different = list(dict.fromkeys(paths))
-    ends = [path.name or str(path) for path in different]
-    for length in range(2, max(len(path.parts) for path in paths) + 1):
-        counts = Counter(ends)
-        if max(counts.values()) == 1:
-            break
-        ends = [
-            str(Path(*path.parts[-length:])) if counts[end] > 1 else end
-            for path, end in zip(different, ends, strict=True)
-        ]
-    labels, seen = [ends[different.index(path)] for path in paths], Counter[str]()
-    for i, label in enumerate(labels):
-        seen[label] += 1
-        if seen[label] > 1:  # one directory, named again
-            labels[i] = f"{label} ({seen[label]})"
-    return tuple(labels)
 
 
 def check_same_line(base: Line, other: Line, directory: Path) -> None:

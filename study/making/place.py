@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from network.errors import COMMAND_LINE, InputError
-from network.files.json_input import write_aside
+from network.files.json_input import check_free, write_aside
 from network.files.names import IDENTIFIER_HELP, is_identifier
 from network.files.text_input import existing_file
 
@@ -17,8 +17,7 @@ def checked_new(out: Path, option: str = "OUT") -> str:
         raise InputError(COMMAND_LINE, option, str(out), f"NAME.toml; NAME: {IDENTIFIER_HELP}")
     if not out.parent.is_dir():
         raise InputError(COMMAND_LINE, option, str(out), "a path in an existing folder")
-    if os.path.lexists(out):
-        raise InputError(COMMAND_LINE, option, str(out), "a new file: this one exists already")
+    check_free(out, option)
     return out.stem
 
 

@@ -241,7 +241,8 @@ def _signed_on(view: StockView, t_s: float, _event: notes.SignedOn) -> None:
         view.doing = DutyStage.STANDING
 
 
-def _signed_off(view: StockView, _t_s: float, _event: notes.SignedOff) -> None:
+def _gone(view: StockView, _t_s: float, _event: notes.SignedOff | events.Left) -> None:
+    """Signed off, or off the line without a word of its unit: hauled away."""
     view.signed_on, view.doing = False, DutyStage.GONE
     view.requests.clear()
 
@@ -325,7 +326,8 @@ _READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] =
     notes.Agreed: _set(mismatch=""),
     notes.SignedOn: _signed_on,
     notes.SignOnDenied: _refused(AwaitedRequest.SIGN_ON),
-    notes.SignedOff: _signed_off,
+    notes.SignedOff: _gone,
+    events.Left: _gone,
     notes.SignOffDenied: _refused(AwaitedRequest.SIGN_OFF),
     notes.RouteHeld: _route_held,
     notes.RouteDenied: _refused(AwaitedRequest.ROUTE),
@@ -362,6 +364,7 @@ def subject_of(entry: JournalEntry) -> str:
             events.CutOut(unit_id=unit)
             | events.CutIn(unit_id=unit)
             | events.DoorsHeld(unit_id=unit)
+            | events.Left(unit_id=unit)
             | Lost(where=LostWhere.CABLE, source=str() as unit)
         ):
             return unit

@@ -8,13 +8,19 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from study.plot.choice import ChosenRun
+from study.record.directory import labels_of
 from study.record.read_back import RunRead
 from study.report.data import ReportedRun
 from study.report.hop import draw_hop, driving_of
 
 
 def _runs_shown(run: ChosenRun) -> list[tuple[str, RunRead]]:
-    return [(str(read.settings.id), read) for read in (run.read, *run.choice.beside)]
+    """All runs by the ids of their scenarios, by their directories where two have the same."""
+    reads = (run.read, *run.choice.beside)
+    names = tuple(str(read.settings.id) for read in reads)
+    if len(set(names)) < len(names):
+        names = labels_of([read.directory for read in reads])
+    return list(zip(names, reads, strict=True))
 
 
 def hops_table(run: ChosenRun) -> pl.DataFrame:

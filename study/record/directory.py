@@ -5,7 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import tempfile
-from collections.abc import Callable, Generator
+from collections import Counter
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
@@ -280,3 +281,24 @@ def _rescue(left: Path) -> None:
 def _rescue_to(aside: Path, out: Path) -> None:
     if (aside / "old").exists() and not out.exists():
         (aside / "old").rename(out)
+
+
+def labels_of(directories: Sequence[Path]) -> tuple[str, ...]:
+    """What each directory is called: the end of its path, as short as tells it from the others."""
+    paths = [directory.resolve() for directory in directories]
+    different = list(dict.fromkeys(paths))
+    ends = [path.name or str(path) for path in different]
+    for length in range(2, max(len(path.parts) for path in paths) + 1):
+        counts = Counter(ends)
+        if max(counts.values()) == 1:
+            break
+        ends = [
+            str(Path(*path.parts[-length:])) if counts[end] > 1 else end
+            for path, end in zip(different, ends, strict=True)
+        ]
+    labels, seen = [ends[different.index(path)] for path in paths], Counter[str]()
+    for i, label in enumerate(labels):
+        seen[label] += 1
+        if seen[label] > 1:  # one directory, named again
+            labels[i] = f"{label} ({seen[label]})"
+    return tuple(labels)

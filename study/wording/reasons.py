@@ -6,12 +6,13 @@ The words are those of enums and constants of who writes them; what stands after
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from study.wording.catalogue import phrases_of
 from study.wording.forms import phrase_by_form
 from study.wording.parties import party
-from study.wording.phrase import NOTHING, Phrase, joined_phrases
+from study.wording.phrase import NOTHING, Names, Phrase, joined_phrases
 
 # What parties note down in fewer words than a person needs.
 _SAID_IN_FULL: Final[Mapping[str, str]] = {
@@ -59,8 +60,12 @@ _SAID_IN_FULL: Final[Mapping[str, str]] = {
 }
 
 
-def reason(why: str) -> Phrase:
-    """A `why` of the journal, in words; as it is where it has no other."""
+def reason(why: str, names: Names = MappingProxyType({})) -> Phrase:
+    """A `why` of the journal, in words; as it is where it has no other. `names` are those of stations by id."""
+
+    def said(part: str) -> Phrase:
+        return reason(part.strip(), names)
+
     word = _word(why)
     if not word:
         return NOTHING
@@ -68,20 +73,17 @@ def reason(why: str) -> Phrase:
     known = reasons.get(_SAID_IN_FULL.get(word, word))
     if known is not None:
         return known
-    named = phrase_by_form(reasons.values(), why, _said)
+    named = phrase_by_form(reasons.values(), why, said)
     if named is not None:
         return named
     head, colon, rest = why.partition(":")
     if colon:
-        of, about = _said(head), _said(rest)
+        of, about = said(head), said(rest)
         return Phrase(f"{of.en} ({about.en})", f"{of.in_('ja')}（{about.in_('ja')}）")
     if "," in why:
-        return joined_phrases(map(_said, why.split(",")))
-    return phrases_of("telegram").get(why) or phrases_of("working step").get(why) or party(why)
-
-
-def _said(part: str) -> Phrase:
-    return reason(part.strip())
+        return joined_phrases(map(said, why.split(",")))
+    known = names.get(why) or phrases_of("telegram").get(why) or phrases_of("working step").get(why)
+    return known or party(why)
 
 
 def _word(why: str) -> str:

@@ -160,3 +160,11 @@ def test_sets_turn_on_two_tracks_by_turns_where_that_is_quicker(
     # Four kilometres at 85 km/h take 169 s, and no two trains are on them; with one track at either end there is room
     # for one set alone, and nobody runs while it turns.
     assert 2 * 169 < interval_s[2] < interval_s[1]
+
+
+def test_a_search_says_what_it_looks_for(main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first is Hoshakuji's track by its time; that many fit."""
+    monkeypatch.setattr("branchline.progress.SPOKEN_AFTER_S", 0.05)
+    told = main("best", "trains", WEEKDAY, "--every", "120").err
+    assert "searching for the best trains: 0.05 s so far" in told
+    assert "so far, 3 trains each way of at most 3\n" in told

@@ -81,3 +81,29 @@ def test_an_export_of_nothing_is_one_line(main: Callable[..., Ended], tmp_path: 
     ended = main("export", "sumo", "no_such_scenario", "out")
     assert ended.code == 2
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *(("import", kind, "in.xml", "out.toml") for kind in ("railml", "osm", "sumo", "gtfs", "oudia")),
+        ("import", "mini-tokyo", "in.json", "out.toml", "--line", "karasuyama"),
+        ("import", "geometry", "polyline.json", "stations.json", "out.toml"),
+        ("new", "line", "list.csv", "out.toml"),
+        ("new", "line", "list.csv", "line.toml", "--scenario", "out.toml"),
+        ("new", "line", "list.csv", "line.toml", "--scenario", "day.toml"),
+    ],
+    ids=" ".join,
+)
+def test_what_a_person_may_have_edited_is_not_replaced(
+    arguments: tuple[str, ...], main: Callable[..., Ended], tmp_path: Path
+) -> None:
+    """Nothing of it is read before: of what is asked here, only the files that are in the way are there."""
+    for name in ("out.toml", "day_times.toml"):
+        (tmp_path / name).write_text("mine", "utf-8")
+    (tmp_path / "list.csv").write_text("name,km\nA,0\nB,3\n", "utf-8")
+    ended = main(*arguments)
+    assert (ended.code, ended.out) == (2, "")
+    assert ended.err.endswith(".toml'; expected a new file: this one exists already\n")
+    assert sorted(p.name for p in tmp_path.glob("*.toml")) == ["day_times.toml", "out.toml"]
+    assert {p.read_text("utf-8") for p in tmp_path.glob("*.toml")} == {"mine"}

@@ -155,10 +155,10 @@ def test_no_arrival_is_computed_before_the_train_that_is_named_can_be_there(
     slow = re.sub(r"(?m)^speed_max_kmh = .*$", "speed_max_kmh = 52.0", slow)
     (tmp_path / "slow.toml").write_text(slow, encoding="utf-8")
     texts: list[str] = []
-    for options in ((), ("--train", "slow.toml")):
-        ended = main("import", "mini-tokyo", source, "out.toml", "--line", "karasuyama", *options)
+    for name, options in (("any.toml", ()), ("one.toml", ("--train", "slow.toml"))):
+        ended = main("import", "mini-tokyo", source, name, "--line", "karasuyama", *options)
         assert ended.code == 0, ended.err
-        texts.append((tmp_path / "out.toml").read_text("utf-8"))
+        texts.append((tmp_path / name).read_text("utf-8"))
     assert 'arrival = "06:14:40", departure = "06:15", inferred' in texts[0]
     assert 'arrival = "06:14:40"' not in texts[1]
     assert "not before the least running time of br642 allows" in texts[1]
@@ -180,9 +180,9 @@ def test_departures_alone_are_arranged_where_a_train_is_named(
         ]
     ]
     (tmp_path / "both.json").write_text(json.dumps(rows), encoding="utf-8")
-    asked = ("import", "mini-tokyo", "both.json", "out.toml", "--line", "karasuyama")
+    asked = ("import", "mini-tokyo", "both.json", "--line", "karasuyama")
     assert "arranged" not in main(*asked).out
-    ended = main(*asked, "--train", "br642")
+    ended = main(*asked, "out.toml", "--train", "br642")
     assert ended.code == 0, ended.err
     assert said in ended.out
     made = TimetableFile.model_validate(tomllib.loads((tmp_path / "out.toml").read_text("utf-8")))
@@ -201,7 +201,7 @@ def test_departures_alone_are_arranged_where_a_train_is_named(
             ("--line", "karasuyama", "--train", "nothing"),
             "vehicle/trains: name is 'nothing'; expected one of",
         ),
-        (("--train", "br642"), "--line; expected the line that br642 is to run on"),
+        (("--train", "br642"), "--train is 'br642'; expected --line with it"),
     ],
 )
 def test_a_train_that_there_is_not_or_without_a_line_is_refused(

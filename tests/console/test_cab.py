@@ -6,13 +6,20 @@ from collections import deque
 import pytest
 from msgspec.structs import replace
 
-from console.cab import wait_ja
+from console.cab import wait_text
 from onboard.duty.shown import waits_for
 from onboard.duty.unable import NoCharge, TooSteep, Unable
+from scenario.scenario import load_scenario
+from study.wording.phrase import names_of
 from verify.lone_unit import PLANS, ExploredRun, first, steps
 
+NAMES = names_of(load_scenario("karasuyama_weekday").setup.line)
 ENGLISH = re.compile(r"[a-z]{3,}")
 STATES = 1_500
+
+
+def wait_ja(waits_for: str) -> str:
+    return wait_text(waits_for, {}).in_("ja")
 
 
 def states() -> set[ExploredRun]:
@@ -81,3 +88,12 @@ def test_so_is_the_level_crossing_for_which_a_train_stands() -> None:
     }
     said = {wait_ja(waits_for(PLANS[plan], state)) for plan, state in at_road}
     assert "踏切C7の遮断証明" in said
+
+
+def test_stations_go_by_their_names_in_the_language_of_the_reader() -> None:
+    """下野花岡 is SHN in the line's file, and B stands for a station of another line."""
+    said = wait_text("its run to SHN", NAMES)
+    assert (said.en, said.in_("ja")) == ("its run to Shimotsuke-Hanaoka", "下野花岡までの走行")
+    needs = wait_text(f"what takes it to SHN: {NoCharge('OGN', 1e7, 2e7, True).words}", NAMES)
+    assert "下野花岡まで" in needs.in_("ja") and "大金" in needs.in_("ja")
+    assert wait_text("its run to B", NAMES).in_("ja") == "Bまでの走行"

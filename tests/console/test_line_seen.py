@@ -3,7 +3,7 @@
 from console.line_seen import LineSeen
 from onboard.notes import SignOnDenied
 from scenario.scenario import load_scenario
-from simulation.events import MANAGER, Event, JournalEntry
+from simulation.events import MANAGER, Acted, Event, JournalEntry
 from wayside.said import Granted, Refused
 
 HELD = Refused(unit_id="K1", section_ids=("8",), other_id="K2", why="HELD")
@@ -34,3 +34,17 @@ def test_what_one_unit_has_had_is_another_answer_to_another_and_by_another() -> 
 def test_each_word_of_a_person_is_answered() -> None:
     word = (MANAGER, Refused(unit_id="K1", why="Sato: the unit is reported"))
     assert listed(word, word) == [0.0, 1.0]
+
+
+def test_who_did_something_is_said_in_the_language_of_the_reader() -> None:
+    """A unit goes by its id, an act by what it is called; in English by the word of files."""
+    line = LineSeen(load_scenario("rtri_test_line").setup)
+    for who, event in (
+        (MANAGER, HELD),
+        ("controller", Acted(act="hold_train", target="K1")),
+        ("K1", SignOnDenied(why="held")),
+    ):
+        line.see(JournalEntry(0.0, who, event))
+    told = [event.shown for event in line.events]
+    assert [one.who_ja for one in told] == ["閉そく管理装置", "指令員", "K1"]
+    assert (told[1].who, told[1].text_ja) == ("controller", "列車の抑止（K1）")

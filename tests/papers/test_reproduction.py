@@ -82,6 +82,23 @@ def test_a_specification_runs_its_null_method_and_passes_only_where_that_one_fai
     assert made_up(Options()).remarks == ("said",)
 
 
+@pytest.mark.parametrize("quick", [True, False])
+def test_a_criterion_that_is_of_the_whole_is_told_of_a_slice_and_not_judged(quick: bool) -> None:
+    null = replace(NULL, run=lambda _options: [at_most(FOUND.case, None, 7.0, 1.0)])
+    made_up = Specification(
+        "made",
+        "Made up",
+        lambda _options: Findings([MISSED, FOUND]),
+        null,
+        NotDriven("said"),
+        slice="short",
+        whole=(MISSED.case,),
+    )
+    row, *_ = made_up(Options(quick=quick)).rows
+    assert (row.judged, row.passed) == (not quick, quick)
+    assert row.criterion == ("of all runs, not judged of some: " if quick else "") + MISSED.criterion
+
+
 def test_rows_of_a_kind_say_what_they_ask_for() -> None:
     assert at_most("far, m", None, 1.23456, 1.3, digits=2) == CaseRow(
         "far, m", None, 1.23, True, "at most 1.3"

@@ -126,6 +126,8 @@ def test_the_reproduction_draws_and_names_what_the_paper_does_not(quick: tuple[R
         f"{name}.{kind}" for name in ("yasunobu_energy", "yasunobu_running_curves") for kind in ("svg", "png")
     }
     assert any("a short slice" in remark.lower() for remark in found.remarks)
+    missed = [row.case for row in found.rows if not row.passed]
+    assert missed == ["fuzzy saves at level, 85 s, %", "fuzzy over the lower bound at level, 85 s, %"]
     kwh = next(figure for figure in found.figures if figure.name.startswith("PID, level"))
     assert "efficiency" in kwh.meaning
     assert np.isfinite(kwh.value[1])  # type: ignore[index]

@@ -116,7 +116,9 @@ def test_steps_must_not_go_back() -> None:
 @pytest.mark.parametrize(
     ("wrong", "key"),
     [
-        ({"flip_p": 1.5}, "flip_p"),
+        ({"flip_p": 0.6}, "flip_p"),
+        ({"loss_good_p": 1.0}, "loss_good_p"),
+        ({"good_to_bad_per_s": 0.1, "bad_to_good_per_s": 0.0}, "bad_to_good_per_s"),
         ({"loss_bad_p": -0.1}, "loss_bad_p"),
         ({"duplicate_p": math.nan}, "duplicate_p"),
         ({"delay_min_s": -1.0}, "delay_min_s"),
@@ -158,7 +160,8 @@ def test_of_two_networks_the_sooner_counts() -> None:
 
 
 def test_of_two_networks_one_that_loses_all_changes_nothing() -> None:
-    dead, slow = AirParameters(loss_good_p=1.0), AirParameters(delay_mean_s=2.0)
+    slow = AirParameters(delay_mean_s=2.0)
+    dead = AirParameters().model_copy(update={"loss_good_p": 1.0})
     assert on_average(slow, dead) == pytest.approx(on_average(slow, None))
 
     alone = Air(slow, 1)

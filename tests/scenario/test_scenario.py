@@ -66,6 +66,28 @@ def test_a_what_if_changes_what_it_names_and_nothing_else() -> None:
     assert without.setup.seed == whole.setup.seed
 
 
+@pytest.mark.parametrize(
+    ("file", "said"),
+    [
+        (shipped_line("rtri_test_line"), "line file: `branchline new timetable TIMES.toml --line {file} "),
+        (shipped_timetable("rtri_test_line"), 'timetable: a scenario has `timetable = "{file}"`'),
+        (shipped_train("br642"), 'train file: a scenario has `[trains] default = "{file}"`'),
+        (Path("study/sweeps/karasuyama_late.toml"), "sweep: `branchline sweep {file}` runs it"),
+        (Path("scenario/examples/station_list.toml"), "list of stations: `branchline new line {file} "),
+    ],
+)
+def test_a_file_of_another_kind_is_named_with_what_is_to_be_given(
+    tmp_path: Path, file: Path, said: str
+) -> None:
+    extending = written(tmp_path, "s.toml", f'extends = "{file.resolve()}"\nid = "s"\n')
+    for name in (str(file), extending):
+        with pytest.raises(InputError) as refused:
+            load_scenario(name)
+        named = refused.value.file
+        assert Path(named).samefile(file)
+        assert f"{named}; expected a scenario; this is a {said.format(file=named)}" in str(refused.value)
+
+
 def test_tables_are_laid_over_key_by_key(tmp_path: Path) -> None:
     written(tmp_path, "low.toml", BASE + "seed = 3\n[air]\nloss_good_p = 0.25\ndelay_mean_s = 0.4\n")
     top = written(tmp_path, "top.toml", 'extends = "low"\nid = "top"\n[air]\ndelay_mean_s = 0.3\n')

@@ -1,5 +1,6 @@
 """Coming onto the line and leaving it: by what is accepted and what truly stands there; and a cab without power."""
 
+from dataclasses import replace
 from heapq import heapify
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +18,7 @@ from simulation.duties import PORTAL_RETRY_S, Duties, StockStage
 from simulation.events import Entered, Left, PowerOff, PowerOn
 from simulation.journal import Journal
 from simulation.people import Pause, People
+from simulation.scatter import ScatterSettings, Weather
 from simulation.setup import STEP_S, STEPS_PER_S, Setup, unit_configs
 from simulation.world.books import Books
 from simulation.world.on_board import OnBoard
@@ -132,6 +134,19 @@ def test_a_stock_waits_outside_until_it_is_accepted(yard: Yard) -> None:
     assert yard.stage(0) is StockStage.ON_LINE
     assert yard.trains.active() == [0]
     assert any(isinstance(entry.event, Entered) for entry in yard.journal.entries)
+
+
+@pytest.mark.parametrize(("late_s", "least", "most"), [(0.0, 1.0, 1.0), (300.0, 0.3, 0.4)])
+def test_a_late_train_begins_in_the_weather_of_its_own_hour(
+    yard: Yard, late_s: float, least: float, most: float
+) -> None:
+    """It rains from a minute after it should have come; its driver reckons with the rain (`adhesion_least`)."""
+    rain = {"from": "09:57:30", "to": "24:00", "adhesion_low": 0.3, "adhesion_high": 0.4}
+    scatter = ScatterSettings(weather=(Weather.model_validate(rain),))
+    yard.trains.setup = replace(yard.trains.setup, scatter=scatter)
+    yard.duties.take_up(0, AT)
+    yard.accept(0, AT + round(late_s * STEPS_PER_S))
+    assert least <= float(yard.trains.plants[0].adhesion_factor) <= most
 
 
 def test_a_stock_that_is_accepted_waits_until_nothing_truly_stands_there(yard: Yard) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from simulation.late_day import DrawnStay
 from simulation.platforms import Platforms, held_until
 from simulation.setup import STEPS_PER_S
+from simulation.subscribers import Subscribers
 
 TIMES = st.floats(0.0, 600.0)
 
@@ -55,3 +56,36 @@ def test_who_moves_off_with_doors_that_were_open_is_told_from_whom_they_open_on_
     assert not doors.are_open(1, 200)
     doors.fault(0, 150, closed=True)
     assert not doors.are_open(0, 200)
+
+
+def test_doors_that_were_open_are_shut_where_a_second_stand_comes_to_nothing() -> None:
+    """It came to a stand anew at its stop, and its unit did not know that before the new time was over."""
+    shown: list[tuple[int, bool]] = []
+    due: list[tuple[int, str]] = []
+    target = SimpleNamespace(station_id="A", departure_s=100.0, passengers=True)
+    duty = SimpleNamespace(train=SimpleNamespace(number="1"), mission=SimpleNamespace(targets=[None, target]))
+    mark = SimpleNamespace(at_mark=True, at=1)
+    world: Any = SimpleNamespace(
+        trains=SimpleNamespace(duties=[duty], slot_of={"K1": 0}, stock_ids=["K1"]),
+        on_board=SimpleNamespace(shown_to_driver=lambda _slot: mark),
+        books=SimpleNamespace(stands=Subscribers(), stands_at=lambda _slot: 1),
+        agenda=SimpleNamespace(put=lambda step, _kind, subject: due.append((step, subject))),
+        journal=SimpleNamespace(write=lambda *_: None),
+        setup=SimpleNamespace(unit=SimpleNamespace(dwell_min_s=20.0)),
+    )
+    cabs: Any = SimpleNamespace(
+        answers=lambda _slot: True,
+        vehicle_shows=lambda _slot, step, _key, closed: shown.append((step, closed)),
+    )
+    day: Any = SimpleNamespace(stays={("1", "A"): DrawnStay(0.0, 10.0)})
+    doors = Platforms(world, cabs, day)
+    world.books.stands(0, 1, 50.0)  # could leave at 100 s; doors are shut at 110 s
+    assert due == [(98 * STEPS_PER_S, "open K1")]
+    doors.due(*due.pop())
+    assert due == [(110 * STEPS_PER_S, "close K1")]
+    world.books.stands(0, 1, 99.0)  # a second time: not before 119 s, and shut at 129 s
+    mark.at_mark = False
+    while due:
+        due.sort(reverse=True)
+        doors.due(*due.pop())
+    assert shown == [(98 * STEPS_PER_S, False), (110 * STEPS_PER_S, True)]

@@ -6,6 +6,7 @@ from typing import Final
 
 import pytest
 
+from simulation.events import CrossingEntered, RoadGuarded
 from simulation.faults.script import Act, ActKind
 from simulation.people import People
 from simulation.staff import Staff
@@ -324,3 +325,20 @@ def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
     ]
     assert struck_off == [("K1",)]
     assert not run.result.unfinished
+
+
+@pytest.mark.parametrize("frozen", [True, False])
+def test_a_driver_who_comes_onto_an_open_road_reports_it(tmp_path: Path, frozen: bool) -> None:
+    """Contacts tell no train anything: that their device does nothing, who drives over the road is the first to see."""
+    crossing = '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.85\ncontrol = "contacts"\n'
+    fault = f'[[fault]]\nkind = "frozen"\ntarget = "C1"\nstart = "{"09" if frozen else "10"}:59:00"\n'
+    people = "people = { react = true, guard_s = 5.0, sigma = 0.0 }\n"
+    file = tmp_path / "staff.toml"
+    file.write_text(f"{HEAD}{people}{crossing}start_down_km = 0.5\nstart_up_km = 1.2\n{fault}", "utf-8")
+    run = run_drill(str(file), PartyLink.SIMULATED).run
+    events = [(entry.t_s, entry.event) for entry in run.result.journal.entries]
+    came_s = min(t_s for t_s, event in events if isinstance(event, CrossingEntered))
+    guarded_s = [t_s for t_s, event in events if isinstance(event, RoadGuarded) and event.there]
+    assert bool(guarded_s) is frozen
+    assert all(came_s + 5.0 <= at_s <= came_s + 20.0 for at_s in guarded_s)
+    assert bool(run.result.violations) is frozen  # the judge sees it too

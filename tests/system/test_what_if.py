@@ -68,8 +68,10 @@ def test_a_run_that_cannot_be_in_time_stops_at_its_limit(main: Callable[..., Any
     assert any(t.startswith("T1 (K1) was on its way in section 6 at km 0.") for t in figures["broken"])
 
 
-def test_a_radio_that_carries_nothing_ends_in_a_sentence(main: Callable[..., Any], tmp_path: Path) -> None:
-    scenario = 'extends = "rtri_test_line"\nid = "silent"\nair = { loss_good_p = 1.0 }\n'
+def test_a_radio_that_carries_next_to_nothing_ends_in_a_sentence(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    scenario = 'extends = "rtri_test_line"\nid = "silent"\nair = { loss_good_p = 0.99 }\n'
     (tmp_path / "silent.toml").write_text(scenario + "limits = { time_limit_s = 60.0 }\n", "utf-8")
     ended = main("run", "silent.toml", "--json", "--out", "out")
     assert ended.code == 1

@@ -41,6 +41,8 @@ PASSES: Final = (
 RECOVERS: Final = (
     "after more troubles than are explored at once (power, stores, words, bars, a position lost)"
 )
+# Standings that only troubles lead to. Who is reported, outside or leaving is so on any day: that excuses nothing.
+IN_TROUBLE: Final = frozenset({UnitStanding.UNKNOWN, UnitStanding.BY_HAND, UnitStanding.DISPUTED})
 _IN_IT: Final = {None: "does not know whether it is in it", True: "in it", False: "not in it"}
 OTHER: Final = "no known lack of the model"
 
@@ -110,9 +112,8 @@ def lacking(view: PairView) -> str:
     if own.phase is DutyPhase.GONE and ground.standing is UnitStanding.LEAVING:
         return PASSES
     lost = own.phase in (None, DutyPhase.OFF, DutyPhase.ON_SIGHT, DutyPhase.SIGNING_ON)
-    unsaid = not ground.defined or ground.standing is not UnitStanding.REPORTED
-    others = ground.others_standing not in (None, UnitStanding.REPORTED) or view.other.within is None
-    if lost or unsaid or others or own.believed is Believed.UNKNOWN:
+    unsaid = not ground.defined or not {ground.standing, ground.others_standing}.isdisjoint(IN_TROUBLE)
+    if lost or unsaid or view.other.within is None or own.believed is Believed.UNKNOWN:
         return RECOVERS
     return OTHER
 

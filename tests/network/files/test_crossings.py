@@ -68,6 +68,22 @@ def test_its_road_keeps_clear_of_points_on_the_track_beside_it(tmp_path: Path) -
         parse_line(beside, "line.toml")
 
 
+@pytest.mark.parametrize("section", ["B.1", "B.2"])
+def test_its_road_goes_through_no_platform_of_whichever_track(tmp_path: Path, section: str) -> None:
+    """Platforms of B, for trains of 40 m, lie from 2.96 to 3.04 km; a road of 6 m beside them ends where they do."""
+    (tmp_path / "list.csv").write_text("name,km,tracks\nA,0,1\nB,3,2\nC,6,1\n", "utf-8")
+    write_line(tmp_path / "list.csv", tmp_path / "line.toml", NewLineOptions(max_speed_kmh=70.0))
+    text = (tmp_path / "line.toml").read_text("utf-8")
+    platform = "platform_from_km = 2.96, platform_to_km = 3.04, "
+    text = text.replace(f'section = "B.1", {platform}', 'section = "B.1", ')  # an island for the other track
+    beside, through = (
+        f'{text}\n[[crossings]]\nid = "X"\nsection = "{section}"\nkm = {km}\n' for km in (2.957, 2.958)
+    )
+    assert parse_line(beside, "line.toml").crossings["X"].position_m == 2957.0
+    with pytest.raises(InputError, match=r"crossings\[0\]\.km is 2\.958; .* platform of B, 2\.96 to 3\.04"):
+        parse_line(through, "line.toml")
+
+
 def test_no_two_roads_lie_at_one_place() -> None:
     """Roads of 6 and 8 m: 7 m from middle to middle they meet."""
     one = f'{TEST_LINE}\n[[crossings]]\nid = "C"\nsection = "6"\nkm = 0.7\n'

@@ -41,6 +41,10 @@ BAD = [
 ]  # fmt: skip
 
 
+# What turns the direction of the text, ends its line, or has no width: Unicode 16, chapter 23.
+UNSEEN = [f"a{mark}b" for mark in "\u061c\u200b\u200e\u202e\u2028\u2029\u2066\u2069\ufeff\U000e0041"]
+
+
 @pytest.mark.parametrize("text", GOOD)
 def test_an_identifier(text: str) -> None:
     assert TypeAdapter(Identifier).validate_python(text) == text
@@ -65,7 +69,8 @@ def test_an_identifier_is_one_step_of_a_path_and_no_special_one(text: str) -> No
 def test_text_is_bounded_and_shows(kind: object, length: int) -> None:
     take = TypeAdapter(kind).validate_python
     assert take("烏山線" * (length // 3)) == "烏山線" * (length // 3)
-    for bad in ("x" * (length + 1), "a\x00b", "a\x1b[2J", "\x7f", "\x85"):
+    assert take("व\u200dय, می\u200cشود, 辻\U000e0100") != ""
+    for bad in ("x" * (length + 1), "a\x00b", "a\x1b[2J", "\x7f", "\x85", *UNSEEN):
         with pytest.raises(ValidationError, match="control character"):
             take(bad)
 
@@ -73,3 +78,8 @@ def test_text_is_bounded_and_shows(kind: object, length: int) -> None:
 @given(st.text(max_size=300))
 def test_whatever_is_made_a_title_is_one(text: str) -> None:
     assert TypeAdapter(Title).validate_python(title_of(text)) == title_of(text)
+
+
+@pytest.mark.parametrize("text", UNSEEN)
+def test_a_title_that_is_made_leaves_out_what_is_not_seen(text: str) -> None:
+    assert title_of(text).replace(" ", "") == "ab"

@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from network.errors import InputError
+from network.files.toml_input import validate
 from simulation.faults.fault import folded_value
 from simulation.faults.table import FAULTS
 from simulation.faults.yaw_gyro import Gyro, GyroBias, GyroDead, GyroNoise, GyroStuck
+from simulation.sensor_settings import Curvature
 from simulation.sensors.scene import SCENE
 from simulation.sensors.yaw_gyro import YawGyroRow, body_matrices, fit, yaw_gyro
 from simulation.settings import PositionSensor
@@ -113,3 +116,9 @@ def test_faults_that_overlap_are_folded() -> None:
     assert found.jump_radps == pytest.approx(np.radians(0.1))
     assert folded_value(found, [GyroDead(target="K1")]).is_silent
     assert {"gyro_dead", "gyro_stuck", "gyro_bias", "gyro_noise"} <= set(FAULTS)
+
+
+def test_a_bias_that_walks_in_no_time_is_refused() -> None:
+    """What it keeps is exp(-step / time constant): of a constant of 0 that is no number."""
+    with pytest.raises(InputError, match=r"bias_walk_s is 0\.0; expected 1 to 7200 s"):
+        validate({"bias_walk_s": 0.0}, "s.toml", Curvature)

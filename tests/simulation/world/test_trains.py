@@ -228,6 +228,7 @@ def test_the_weather_stays_under_a_slippery_rail_and_comes_back_after_it(rtri_se
     placed = Trains(replace(rtri_setup, scatter=wet), plain(rtri_setup))
     placed.place(0, first_duty(rtri_setup))
     plant, now_s = placed.plants[0], 36_000.0
+    placed.begin_leg(0, now_s)
     weather = float(plant.adhesion_factor)
     assert 0.4 <= weather <= 0.8
     placed.set_rail(0, 0.5)

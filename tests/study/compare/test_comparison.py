@@ -15,7 +15,8 @@ from study.compare.comparison import Comparisons, compare, verdict_of
 from study.compare.files import owns_file, write_comparison
 from study.compare.graph import draw_both
 from study.compare.parts import parts_against
-from study.compare.side import ComparedRun, check_same_line, labels_of
+from study.compare.side import ComparedRun, check_same_line
+from study.record.directory import labels_of
 from study.report.data import ReportedRun
 from study.report.style import drawing
 from tests.study.compare.sides import side, with_tables

@@ -7,9 +7,9 @@ import pytest
 from onboard import notes
 from radio.noted import Noted
 from scenario.scenario import load_scenario
-from simulation.events import WORLD, JournalEntry, PowerOff, PowerOn
+from simulation.events import WORLD, JournalEntry, Left, PowerOff, PowerOn
 from simulation.world.roster import drawn_up
-from study.measures.wait_view import DutyStage, StockView
+from study.measures.wait_view import DutyStage, StockView, subject_of
 
 UNIT: Final = "V3"
 
@@ -23,8 +23,9 @@ def view() -> StockView:
 
 def took(view: StockView, t_s: float, *events: Noted) -> None:
     for event in events:
-        world = isinstance(event, PowerOff | PowerOn)
-        view.take(JournalEntry(t_s, WORLD if world else UNIT, event))
+        entry = JournalEntry(t_s, WORLD if isinstance(event, PowerOff | PowerOn | Left) else UNIT, event)
+        assert subject_of(entry) == UNIT
+        view.take(entry)
 
 
 def test_who_has_booted_outside_comes_in_without_an_emergency(view: StockView) -> None:
@@ -45,3 +46,13 @@ def test_who_was_driven_off_the_line_by_hand_is_to_come_as_its_next_train(view: 
     took(view, 100.0, notes.MissionDone(train="326M"))
     assert (view.doing, view.train) == (DutyStage.SIGNING_OFF, "326M")
     assert view.next_duty is not None and view.next_duty.train.number == "331M"
+
+
+def test_who_was_hauled_away_does_nothing_more_of_its_train(view: StockView) -> None:
+    """Its unit has had no power since it ran in, and says nothing of it."""
+    took(
+        view, 0.0, notes.MissionBegun(train="323M", direction="down"), notes.SignedOn(section_ids=("HSK.P",))
+    )
+    took(view, 100.0, PowerOff(device_id=UNIT), Left(unit_id=UNIT))
+    assert (view.doing, view.signed_on) == (DutyStage.GONE, False)
+    assert view.next_duty is not None and view.next_duty.train.number == "326M"

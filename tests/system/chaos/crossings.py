@@ -12,6 +12,7 @@ from tests.system.chaos.draw import Draw
 ONE_P, TWO_P, ON_TRACK_P = 0.6, 0.25, 0.15
 CONTACTS_P, DEPARTURES_P, WARNING_ALONE_P, ROAD_P, DETECTOR_P = 0.2, 0.3, 0.25, 0.3, 0.4
 FROM_END_M: Final = 40.0
+HALF_ROAD_M: Final = 5.0
 ALONG_S: Final = 45.0  # from the first contact to the road at the line's speed
 VEHICLES_PER_H: Final = (60.0, 240.0, 600.0)
 Row = dict[str, Any]
@@ -28,12 +29,21 @@ def crossings_on(line: Line, speed_kmh: int, draw: Draw) -> list[Row]:
             continue
         else:
             count = 1 + int(mine.of("two").chance(TWO_P)) if mine.chance(ONE_P) or not rows else 0
-        rows += [_crossing(piece, f"C{len(rows) + k + 1}", speed_kmh, mine.of(str(k))) for k in range(count)]
+        rows += [
+            _crossing(line, piece, f"C{len(rows) + k + 1}", speed_kmh, mine.of(str(k))) for k in range(count)
+        ]
     return rows
 
 
-def _crossing(piece: Piece, crossing_id: str, speed_kmh: int, draw: Draw) -> Row:
-    at_m = draw.between(piece.from_m + FROM_END_M, piece.to_m - FROM_END_M, 0)
+def beside_platforms(line: Line, at_m: float) -> float:
+    """The place itself, or beside the platform that lies there: a road goes over all tracks, and through none."""
+    platforms = (t.platform_m for station in line.stations.values() for t in station.tracks if t.platform_m)
+    over = [low_m for low_m, high_m in platforms if low_m - HALF_ROAD_M < at_m < high_m + HALF_ROAD_M]
+    return round(over[0]) - 2.0 * HALF_ROAD_M if over else at_m
+
+
+def _crossing(line: Line, piece: Piece, crossing_id: str, speed_kmh: int, draw: Draw) -> Row:
+    at_m = beside_platforms(line, draw.between(piece.from_m + FROM_END_M, piece.to_m - FROM_END_M, 0))
     row: Row = {"id": crossing_id, "section": piece.section_id, "km": at_m / 1000.0}
     if draw.of("kind").chance(WARNING_ALONE_P):
         row |= {"kind": "3", "closed_s": draw.of("times").between(20.0, 40.0, 0)}
