@@ -102,14 +102,35 @@ def least_permitted_mps(unit: UnitRow, path: NDArray[np.void], from_m: float, to
 
 
 @compiled
-def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
-    """Set the permitted speed and the intervention of this step; returns event bits."""
-    front_m = furthest_m(unit, unit.position_m)
+def motors_gain_mps2(unit: UnitRow, train: TrainRow, path: NDArray[np.void], front_m: float) -> float:
+    """What the motors give a train that is as fast as it may be, m/s^2; gravity apart, which is in the climb.
+
+    The smoothed acceleration may still be that of the gradient a second ago.
+    """
+    fastest = fastest_share(unit)
+    gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
+    behind_m = front_m - unit.speed_mps * fastest * SMOOTHED_S
+    slope = max(slope_at(unit, path, front_m), slope_at(unit, path, behind_m))
+    return float(max(unit.acceleration_mps2 * fastest + gravity_share * slope, 0.0))
+
+
+@compiled
+def allowed_mps(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+    near_m: float,
+    front_m: float,
+) -> tuple[float, float, float]:
+    """What supervision allows a train whose front is at `front_m` at most and at `near_m` at least, m/s.
+
+    The least limit, the permitted speed, and the speed from which the emergency brake still stops it in time.
+    """
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
     distance_m = unit.stop_limit_m - front_m
     climb_m = body_elevation_m(unit, path, unit.stop_limit_m) - body_elevation_m(unit, path, front_m)
-    ceiling = least_permitted_mps(unit, path, nearest_m(unit, unit.position_m), np.ceil(front_m))
-    unit.ceiling_mps = ceiling = min(ceiling, unit.restricted_mps)
+    ceiling = min(least_permitted_mps(unit, path, near_m, np.ceil(front_m)), unit.restricted_mps)
     service_stop = stop_curve_mps(
         distance_m,
         climb_m,
@@ -124,15 +145,20 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
         behaviour.emergency_reaction_s,
         gravity_share,
     )
+    return ceiling, min(ceiling, service_stop), emergency_stop
+
+
+@compiled
+def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
+    """Set the permitted speed and the intervention of this step; returns event bits."""
+    front_m = furthest_m(unit, unit.position_m)
+    near_m = nearest_m(unit, unit.position_m)
+    ceiling, service, emergency_stop = allowed_mps(unit, train, behaviour, path, near_m, front_m)
+    unit.ceiling_mps, unit.permitted_mps = ceiling, service
     before = unit.intervention
     fastest = fastest_share(unit)
     speed = unit.speed_mps * fastest
-    # What the motors give, gravity apart, which is in `climb_m`; the smoothed acceleration may still be that of
-    # the gradient a second ago.
-    slope = max(slope_at(unit, path, front_m), slope_at(unit, path, front_m - speed * SMOOTHED_S))
-    gain = max(unit.acceleration_mps2 * fastest + gravity_share * slope, 0.0)
-    service = min(ceiling, service_stop)
-    unit.permitted_mps = service
+    gain = motors_gain_mps2(unit, train, path, front_m)
     emergency = min(
         ceiling + behaviour.settings.emergency_margin_mps,
         emergency_stop - gain * behaviour.emergency_reaction_s,
