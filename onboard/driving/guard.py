@@ -26,6 +26,7 @@ from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 
 CUSHION_MPS: Final = 0.3  # assumed: half of the margin at which the service brake comes
+BRAKED_MPS2: Final = 0.1
 AHEAD_S: Final = 1.0
 GAIN_PER_S: Final = 2.0
 
@@ -60,9 +61,9 @@ def guard_demand_mps2(
     """Deceleration to be given, with what slows the train by itself, m/s^2; 0 where it stays under the curve."""
     worth = fastest_share(unit) / unit.odometer_scale
     fast_mps, run_m = predicted_motion(tasc, design, unit.train_mps * worth, own_mps2)
-    pull_mps2 = unit.acceleration_mps2 + own_mps2 if unit.acceleration_mps2 > 0.0 else 0.0
+    pull_mps2 = unit.acceleration_mps2 + own_mps2
     gain_mps2 = 0.0
-    if pull_mps2 > 0.0:
+    if pull_mps2 > 0.0 and tasc.built_mps2 < BRAKED_MPS2:
         pulls_s = train.traction_dead_time_s + train.traction_lag_s
         if train.traction_jerk_max_mps3 > 0.0:
             pulls_s += pull_mps2 / (2.0 * train.traction_jerk_max_mps3)
