@@ -1,9 +1,9 @@
 """From what a driving law asks for to the notch: limits, the stop at the mark and supervision brake harder (ATO, TASC).
 
 Between stations a law of `onboard.driving.laws` asks for power or brake. Outside it the brake follows the curves
-down to lower limits, and stays below supervision's own. At the station `onboard.driving.stopping` asks for the brake that follows the target-speed
-pattern; the stronger of the two demands counts. Gradient and running resistance are taken off the brake demand,
-since the train's own brake control is calibrated on the level.
+down to lower limits, and keeps below supervision's own. At the station `onboard.driving.stopping` asks for the brake
+that follows the target-speed pattern; the strongest of the demands counts. Gradient and running resistance are taken
+off the brake demand, since the train's own brake control is calibrated on the level.
 """
 
 from __future__ import annotations

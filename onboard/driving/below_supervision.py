@@ -1,9 +1,9 @@
 """The brake that keeps a train below the speed at which supervision brakes it, so that nothing has to intervene.
 
-Laws, limits and the stop pattern go by what the wheels show, supervision by what that may be worth at most. With wheels in
-doubt, a weak brake or a descent the pattern to a stop lies above supervision's curve, and no law knows how that falls. This
-brake follows it half a service margin below, on the state that a train as fast as it may be has when a command given now
-acts. Where the other laws stay lower it asks for nothing.
+Laws, limits and the stop pattern go by what the wheels show, supervision by what that may be worth at most. With wheels
+in doubt, a weak brake or a descent the pattern to a stop lies above supervision's curve, and no law knows how that
+falls. This brake follows it half a service margin below, on the state that a train as fast as it may be has when a
+command given now acts. Where the other laws stay lower it asks for nothing.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from onboard.records import BehaviourRow, UnitRow
 from vehicle.compiled import compiled
 from vehicle.records import TrainRow
 
+ROW_M: Final = 1.0  # rows of the path database are so far apart, and a curve to a crawl falls much within one
 FALL_OVER_S: Final = 1.0  # over this running time it looks how the curve falls
 GAIN_PER_S: Final = 2.0  # assumed: half a metre per second below a curve of the full brake it begins to brake
 NO_BRAKE_MPS2: Final = 0.1  # with more brake than this the acceleration does not tell what the motors give
@@ -39,8 +40,8 @@ def kept_mps(
     run_m: float,
     gain_mps2: float,
 ) -> float:
-    """The speed of a train as fast as it may be, m/s, to stay under once it has run on by `run_m`, if that is all of it."""
-    near_m, far_m = nearest_m(unit, unit.position_m), furthest_m(unit, unit.position_m) + run_m
+    """The speed under which a train as fast as it may be stays once it has run on by `run_m` at most, m/s."""
+    near_m, far_m = nearest_m(unit, unit.position_m), furthest_m(unit, unit.position_m) + run_m + ROW_M
     _, permitted, emergency = allowed_mps(unit, train, behaviour, path, near_m, far_m, gain_mps2)
     margin_mps = behaviour.settings.service_margin_mps
     return float(max(min(permitted + margin_mps, emergency) - margin_mps / 2.0, 0.0))

@@ -3,95 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from onboard.board import SENSED, BoardRow, SensedRow
-from onboard.driving.laws.cue import PLAN
+from onboard.board import BoardRow
 from onboard.driving.laws.power import power_notch
 from onboard.driving.pattern import pattern_of
-from onboard.driving.stop_keeper import fill_design
-from onboard.driving.stopping import LIMIT_MARGIN_M
-from onboard.driving.tuning import Learned
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     MODE_HOLD,
-    NO_INTERVENTION,
-    NO_PLACES,
     BehaviourRow,
-    Chart,
-    UnitRow,
 )
-from onboard.tick import tick
 from tests.nightly import A_FIFTH
-from vehicle.dynamics import step
+from tests.onboard.drive_along import START_M, TRACK_M, Rows, drive_along
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n
-from vehicle.train_file import load_train, new_plant, shipped_train
 
-Rows = NDArray[np.void]
 Boards = Callable[[], BoardRow]
-NO_PLAN = np.zeros(0, dtype=PLAN)
-
-START_M = 100.0
-TRACK_M = 4000
-
-
-@dataclass
-class Course:
-    position_m: list[float] = field(default_factory=list)
-    speed_mps: list[float] = field(default_factory=list)
-    target_mps: list[float] = field(default_factory=list)
-    notch: list[float] = field(default_factory=list)
-    interventions: int = 0
-    emergency: bool = False  # in the last step
-
-
-@pytest.fixture
-def boards(unit: UnitRow, new_board: Callable[[UnitRow], BoardRow]) -> Boards:
-    """The board of a train at START_M on an endless free track, for each example a new one."""
-    return lambda: new_board(unit)
-
-
-def drive_along(
-    board: BoardRow,
-    path: Rows,
-    permille: float,
-    load_share: float,
-    speed_mps: float,
-    steps: int,
-    worth: float = 1.0,
-) -> Course:
-    """Run the unit and the plant on a steady gradient until the train stands, or for `steps` of 0.1 s.
-
-    `worth`: what a metre that the wheels show is truly worth; `speed_mps` is as they show it.
-    """
-    plant = new_plant(1, speed_mps * worth).view(np.recarray)[0]
-    plant.load_share = load_share
-    sensed: SensedRow = np.zeros(1, dtype=SENSED).view(np.recarray)[0]
-    sensed.load_share = load_share
-    unit, train = board.unit, board.kind
-    unit.speed_mps, unit.path_rows = speed_mps, path.size
-    course = Course()
-    for _ in range(steps):
-        step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
-        sensed.odometer_m, sensed.speed_mps = plant.wheel_travelled_m / worth, plant.wheel_speed_mps / worth
-        tick(board, sensed, Chart(path, NO_PLACES), NO_PLAN)
-        course.position_m.append(START_M + float(plant.travelled_m))
-        course.speed_mps.append(float(plant.speed_mps))
-        course.target_mps.append(float(unit.target_mps))
-        course.notch.append(float(unit.notch))
-        course.emergency = unit.emergency != 0
-        course.interventions += unit.intervention != NO_INTERVENTION
-        if plant.speed_mps == 0.0 and len(course.notch) > 50:
-            break
-    return course
 
 
 @given(
@@ -197,101 +129,6 @@ def test_it_speeds_up_again_when_its_rear_has_surely_left_the_limit(
     assert course.interventions == 0
     beyond = positions_m > 1200.0 + train.length_m + 2.0
     assert min(np.array(course.target_mps)[beyond]) > 8.0
-
-
-@dataclass(frozen=True)
-class Doubted:
-    """A train whose wheels are worth more or less than they show, by a share of what its unit allows for."""
-
-    growth: float
-    share: float = 1.0
-    permille: float = 0.0
-    load_share: float = 0.5
-    speed_mps: float = 15.0  # as shown
-    bound_m: float = 20.0
-    weak: bool = False  # SKR 200 brakes with 0.91 m/s2 after 1.6 s, EV-E301 with 1.0 after 0.9
-
-    def run(self, board: BoardRow, limits_mps: NDArray[np.float64], steps: int) -> Course:
-        elevation_m = np.arange(float(TRACK_M)) * self.permille / 1000.0
-        path = pattern_of(elevation_m, np.zeros(TRACK_M), limits_mps, board.kind, board.behaviour)
-        rows, worth = path.view(np.recarray), 1.0 + self.share * self.growth
-        return drive_along(board, rows, self.permille, self.load_share, self.speed_mps, steps, worth)
-
-    @property
-    def way_m(self) -> float:
-        """Enough for the weak brake on any of these descents, whose guaranteed 0.73 m/s2 are 0.48 at 25 permille."""
-        fast_mps = self.speed_mps * (1.0 + self.growth)
-        return 50.0 + 2.0 * self.bound_m + 6.0 * fast_mps + fast_mps**2 / (2.0 * 0.45)
-
-
-DOUBTED = st.builds(
-    Doubted,
-    st.floats(0.0, 0.25),
-    st.floats(-1.0, 1.0),
-    st.floats(-25.0, 25.0),
-    st.floats(0.0, 1.0),
-    st.floats(4.0, 18.0),
-    st.floats(0.5, 60.0),
-    st.booleans(),
-)
-Doubts = Callable[[Doubted], BoardRow]
-
-
-@pytest.fixture
-def doubts(boards: Boards) -> Doubts:
-    """The board of such a train."""
-    weak = load_train(shipped_train("skr200_4")).row
-
-    def make(own: Doubted) -> BoardRow:
-        board = boards()
-        if own.weak:
-            board.kind = weak[0]
-            board.behaviour.service_guaranteed_mps2, board.behaviour.service_reaction_s = 0.8 * 0.91, 2.1
-            board.behaviour.emergency_guaranteed_mps2, board.behaviour.emergency_reaction_s = 0.8, 2.1
-            fill_design(board.design, board.kind, board.behaviour, Learned("K1", 0.8))
-        board.unit.bound_ahead_m = board.unit.bound_behind_m = own.bound_m
-        board.unit.bound_growth = own.growth
-        return board
-
-    return make
-
-
-@A_FIFTH
-@given(own=DOUBTED, before_m=st.floats(5.0, 60.0))
-@example(Doubted(0.0, weak=True), 5.0)  # the wheels as they show, and the pattern is above the weak brake's curve
-@example(Doubted(0.2), 5.0)
-@example(Doubted(0.2), 40.0)
-@example(Doubted(0.2, permille=-25.0), 5.0)
-@example(Doubted(0.25, permille=17.0, bound_m=50.0, weak=True), 5.0)  # at the end the emergency brake is first
-@example(Doubted(0.2, share=-1.0), 40.0)
-def test_supervision_has_nothing_to_do_before_an_end_however_little_the_wheels_are_known(
-    doubts: Doubts, own: Doubted, before_m: float
-) -> None:
-    """A mark so far before the stop limit. It ends at the nearer, 5 m before the limit where its front may be furthest.
-
-    Bounds grow under it in the last second, and predictions do not know: by a metre or two it stands nearer.
-    """
-    board = doubts(own)
-    unit, limit_m = board.unit, START_M + own.way_m
-    unit.stop_limit_m, unit.target_stop_m = limit_m, limit_m - before_m
-    course = own.run(board, np.full(TRACK_M, 25.0), 3000)
-    assert course.interventions == 0
-    assert course.speed_mps[-1] == 0.0
-    assert course.position_m[-1] + own.bound_m < limit_m  # as far ahead as it may be, by the truth
-    short_m = min(unit.target_stop_m, limit_m - unit.bound_ahead_m - LIMIT_MARGIN_M) - unit.position_m
-    assert -2.5 < short_m < 1.0
-
-
-@A_FIFTH
-@given(own=DOUBTED, limit_mps=st.floats(1.4, 14.0))
-@example(Doubted(0.2), 8.0)
-@example(Doubted(0.2, share=0.0, permille=25.0, weak=True), 12.0)  # motors pull on while the brake is asked for
-def test_nor_has_it_before_a_lower_limit(doubts: Doubts, own: Doubted, limit_mps: float) -> None:
-    limits_mps, from_m = np.full(TRACK_M, 18.0 + 7.0 * own.growth), int(START_M + own.way_m)
-    limits_mps[from_m : from_m + 200] = limit_mps
-    course = own.run(doubts(own), limits_mps, 3000)
-    assert course.interventions == 0
-    assert course.position_m[-1] + own.bound_m > from_m
 
 
 def test_a_standing_train_holds_its_brake(boards: Boards, track: Callable[..., Rows]) -> None:
