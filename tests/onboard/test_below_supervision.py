@@ -109,8 +109,8 @@ def stops_below_supervision(board: BoardRow, own: Doubted, before_m: float) -> N
             1.9,
         ),  # its curve falls by 0.4 m/s from one row to the next
         (
-            Doubted(0.2, 0.0, 29.0, 0.6, 9.0, 26.3, weak=True),
-            11.6,
+            Doubted(0.25, 0.0, 16.9, 0.2, 6.9, 18.0, weak=True),
+            10.1,
         ),  # its motors pull on while the brake is asked for
         (Doubted(0.2), 8.0),
     ],
