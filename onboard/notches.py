@@ -1,9 +1,9 @@
 """From what a driving law asks for to the notch: limits, the stop at the mark and supervision brake harder (ATO, TASC).
 
 Between stations a law of `onboard.driving.laws` asks for power or brake. Outside it the brake follows the curves
-down to lower limits. At the station `onboard.driving.stopping` asks for the brake that follows the target-speed
-pattern; the stronger of the two demands counts. Gradient and running resistance are taken off the brake demand,
-since the train's own brake control is calibrated on the level.
+down to lower limits, and keeps below supervision's own. At the station `onboard.driving.stopping` asks for the brake
+that follows the target-speed pattern; the strongest of the demands counts. Gradient and running resistance are taken
+off the brake demand, since the train's own brake control is calibrated on the level.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from onboard.board import BoardRow
 from onboard.driving.ahead import LOOK_AHEAD_S, limit_mps, pattern_mps
+from onboard.driving.below_supervision import below_supervision_mps2
 from onboard.driving.laws.power import overspeed_mps
 from onboard.driving.laws.table import ask
 from onboard.driving.stopping import stop_command_mps2
@@ -85,6 +86,7 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     unit.target_mps = min(cue.limit_mps, cue.ceiling_mps)
     over_mps = overspeed_mps(unit, unit.target_mps, cue.reaction_s)
     demand_mps2 = -curve_demand_mps2(unit, behaviour, path, cue.ceiling_mps, over_mps)
+    below_mps2 = below_supervision_mps2(unit, train, behaviour, path, board.tasc, board.design, cue.own_mps2)
     stop_mps2 = stop_command_mps2(unit, board.tasc, board.design, cue.own_mps2)
     if board.laws.stops == 1:
         stop_mps2 = 0.0  # TASC only watches: its model of the brake and its verdict are kept
@@ -92,6 +94,7 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
         return -behaviour.standing_brake_notch
     if over_mps > BRAKE_OVERSPEED_MPS:
         demand_mps2 = max(demand_mps2, behaviour.settings.cruise_gain_per_s * over_mps)
+    demand_mps2 = max(demand_mps2, below_mps2)
     notch = asked
     if demand_mps2 > 0.0 or unit.braking_to_stop == 1:
         notch = min(service_notch(train, max(demand_mps2 - cue.own_mps2, stop_mps2, 0.0)), asked)
@@ -99,6 +102,7 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     if (
         board.laws.stops == 0
         and keeps
+        and below_mps2 <= 0.0
         and notch >= 0.0
         and over_mps < BRAKE_OVERSPEED_MPS
         and unit.braking_to_stop == 0

@@ -102,14 +102,36 @@ def least_permitted_mps(unit: UnitRow, path: NDArray[np.void], from_m: float, to
 
 
 @compiled
-def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
-    """Set the permitted speed and the intervention of this step; returns event bits."""
-    front_m = furthest_m(unit, unit.position_m)
+def motors_gain_mps2(unit: UnitRow, train: TrainRow, path: NDArray[np.void], far_m: float) -> float:
+    """What the motors give a train that is as fast as it may be, m/s^2; gravity apart, which is in the climb.
+
+    The smoothed acceleration may still be that of the gradient a second ago.
+    """
+    fastest = fastest_share(unit)
     gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
-    distance_m = unit.stop_limit_m - front_m
-    climb_m = body_elevation_m(unit, path, unit.stop_limit_m) - body_elevation_m(unit, path, front_m)
-    ceiling = least_permitted_mps(unit, path, nearest_m(unit, unit.position_m), np.ceil(front_m))
-    unit.ceiling_mps = ceiling = min(ceiling, unit.restricted_mps)
+    before_m = far_m - unit.speed_mps * fastest * SMOOTHED_S
+    slope = max(slope_at(unit, path, far_m), slope_at(unit, path, before_m))
+    return float(max(unit.acceleration_mps2 * fastest + gravity_share * slope, 0.0))
+
+
+@compiled
+def allowed_mps(
+    unit: UnitRow,
+    train: TrainRow,
+    behaviour: BehaviourRow,
+    path: NDArray[np.void],
+    near_m: float,
+    far_m: float,
+    gain_mps2: float,
+) -> tuple[float, float, float]:
+    """The least limit, the permitted speed and the one above which the emergency brake comes, m/s.
+
+    Of a train whose front is between two path coordinates (m) and that gains `gain_mps2` until its brake acts.
+    """
+    gravity_share = GRAVITY_MPS2 / (1.0 + train.rotating_mass_factor)
+    distance_m = unit.stop_limit_m - far_m
+    climb_m = body_elevation_m(unit, path, unit.stop_limit_m) - body_elevation_m(unit, path, far_m)
+    ceiling = min(least_permitted_mps(unit, path, near_m, np.ceil(far_m)), unit.restricted_mps)
     service_stop = stop_curve_mps(
         distance_m,
         climb_m,
@@ -124,19 +146,22 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
         behaviour.emergency_reaction_s,
         gravity_share,
     )
-    before = unit.intervention
-    fastest = fastest_share(unit)
-    speed = unit.speed_mps * fastest
-    # What the motors give, gravity apart, which is in `climb_m`; the smoothed acceleration may still be that of
-    # the gradient a second ago.
-    slope = max(slope_at(unit, path, front_m), slope_at(unit, path, front_m - speed * SMOOTHED_S))
-    gain = max(unit.acceleration_mps2 * fastest + gravity_share * slope, 0.0)
-    service = min(ceiling, service_stop)
-    unit.permitted_mps = service
     emergency = min(
         ceiling + behaviour.settings.emergency_margin_mps,
-        emergency_stop - gain * behaviour.emergency_reaction_s,
+        emergency_stop - gain_mps2 * behaviour.emergency_reaction_s,
     )
+    return ceiling, min(ceiling, service_stop), emergency
+
+
+@compiled
+def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDArray[np.void]) -> int:
+    """Set the permitted speed and the intervention of this step; returns event bits."""
+    near_m, far_m = nearest_m(unit, unit.position_m), furthest_m(unit, unit.position_m)
+    gain_mps2 = motors_gain_mps2(unit, train, path, far_m)
+    ceiling, service, emergency = allowed_mps(unit, train, behaviour, path, near_m, far_m, gain_mps2)
+    unit.ceiling_mps, unit.permitted_mps = ceiling, service
+    before = unit.intervention
+    speed = unit.speed_mps * fastest_share(unit)
     if before == EMERGENCY_INTERVENTION:
         after = EMERGENCY_INTERVENTION  # kept until the event-driven part releases it at a stand
     elif speed > emergency and speed > 0.0:

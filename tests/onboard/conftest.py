@@ -162,6 +162,12 @@ def new_board(
 
 
 @pytest.fixture
+def boards(unit: UnitRow, new_board: Callable[[UnitRow], BoardRow]) -> Callable[[], BoardRow]:
+    """The board of a train at START_M on an endless free track, for each example a new one."""
+    return lambda: new_board(unit)
+
+
+@pytest.fixture
 def path(track: Callable[..., Rows], mission: Mission) -> Rows:
     return track(np.zeros(math.ceil(mission.path.length_m) + 1))
 

@@ -3,83 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from onboard.board import SENSED, BoardRow, SensedRow
-from onboard.driving.laws.cue import PLAN
+from onboard.board import BoardRow
 from onboard.driving.laws.power import power_notch
 from onboard.driving.pattern import pattern_of
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     MODE_HOLD,
-    NO_INTERVENTION,
-    NO_PLACES,
     BehaviourRow,
-    Chart,
-    UnitRow,
 )
-from onboard.tick import tick
 from tests.nightly import A_FIFTH
-from vehicle.dynamics import step
+from tests.onboard.drive_along import START_M, TRACK_M, Rows, drive_along
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n
-from vehicle.train_file import new_plant
 
-Rows = NDArray[np.void]
 Boards = Callable[[], BoardRow]
-NO_PLAN = np.zeros(0, dtype=PLAN)
-
-START_M = 100.0
-TRACK_M = 4000
-
-
-@dataclass
-class Course:
-    position_m: list[float] = field(default_factory=list)
-    speed_mps: list[float] = field(default_factory=list)
-    target_mps: list[float] = field(default_factory=list)
-    notch: list[float] = field(default_factory=list)
-    interventions: int = 0
-    emergency: bool = False  # in the last step
-
-
-@pytest.fixture
-def boards(unit: UnitRow, new_board: Callable[[UnitRow], BoardRow]) -> Boards:
-    """The board of a train at START_M on an endless free track, for each example a new one."""
-    return lambda: new_board(unit)
-
-
-def drive_along(
-    board: BoardRow, path: Rows, permille: float, load_share: float, speed_mps: float, steps: int
-) -> Course:
-    """Run the unit and the plant on a steady gradient until the train stands, or for `steps` of 0.1 s."""
-    plant = new_plant(1, speed_mps).view(np.recarray)[0]
-    plant.load_share = load_share
-    sensed: SensedRow = np.zeros(1, dtype=SENSED).view(np.recarray)[0]
-    sensed.load_share = load_share
-    unit, train = board.unit, board.kind
-    unit.speed_mps, unit.path_rows = speed_mps, path.size
-    course = Course()
-    for _ in range(steps):
-        step(plant, train, unit.notch, unit.emergency != 0, permille, 0.0, 0.1)
-        sensed.odometer_m, sensed.speed_mps = plant.wheel_travelled_m, plant.wheel_speed_mps
-        tick(board, sensed, Chart(path, NO_PLACES), NO_PLAN)
-        course.position_m.append(START_M + float(plant.travelled_m))
-        course.speed_mps.append(float(plant.speed_mps))
-        course.target_mps.append(float(unit.target_mps))
-        course.notch.append(float(unit.notch))
-        course.emergency = unit.emergency != 0
-        course.interventions += unit.intervention != NO_INTERVENTION
-        if plant.speed_mps == 0.0 and len(course.notch) > 50:
-            break
-    return course
 
 
 @given(

@@ -57,13 +57,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     ),
     r"vehicle: ": (Cause.VEHICLE,),
     r"what takes it to ": (Cause.UNABLE,),
-    r"release of the emergency brake": (
-        Cause.EMERGENCY,
-        Cause.VEHICLE,
-        Cause.ARRIVAL_BY_EYE,  # braked to a stand at a mark, it waits for what any train there does
-        Cause.ANSWER,
-        *BEFORE_ITS_TIME,
-    ),
+    r"release of the emergency brake": (Cause.EMERGENCY, Cause.VEHICLE),
     r"the driver's (confirmation|word)": (
         Cause.ARRIVAL_BY_EYE,
         Cause.ANSWER,  # to the report by which it gives back what is behind
