@@ -12,8 +12,8 @@ from pydantic import BaseModel
 from exchange.additions import AdditionsFile
 from network.errors import InputError
 from network.files.line_schema import LineFile
-from network.files.timetable_schema import TimetableFile
 from network.files.schema_walk import json_schema_of
+from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import one_of
 from network.making.station_list import StationListFile
 from network.raw import is_row

@@ -32,11 +32,10 @@ from simulation.setup import STEPS_PER_S
 from simulation.substitute import persons, sight
 from simulation.substitute.players import SubstitutePlayers
 from simulation.substitute_settings import LeftOutStep
-from study.drilling.drill import run_drill
-from study.runner.run import PartyLink, execute
 from tests.console.at_posts import AtPosts, drill_of, of_regime
 from tests.console.test_seats_at_work import replayed
 from tests.nightly import A_FIFTH
+from tests.plain import drill_on_plain, run_on_plain
 
 pytestmark = pytest.mark.system
 
@@ -121,7 +120,7 @@ def test_a_person_leaves_out_what_the_program_would_have_and_the_same_comes_of_i
         score = json.loads(at.desk.ask(Seat.INSTRUCTOR, AskProtocol(), 0.0).text)
     left = LeftOutStep(step=WorkingStep.AGREE, block="1", train="T3")
     scenario = without(drill_of(DRILL), left, until_s=float("inf"))
-    by_program = execute(scenario, PartyLink.SIMULATED).result
+    by_program = run_on_plain(scenario).result
     found = [[(v.checker, v.subject) for v in one.violations] for one in (by_person, by_program)]
     assert found[0] == found[1] == [(Checker.PILOTS_LEAVE, "1 K2")]
     with Session(scenario) as session:
@@ -297,7 +296,7 @@ def test_whoever_does_what_in_which_order_a_rule_breaks_only_where_it_is_written
         text = session.drill_text("saved", "saved")
     folder = tmp_path_factory.mktemp("saved")
     (folder / "saved.toml").write_text(text, "utf-8")
-    again = run_drill(str(folder / "saved.toml"), PartyLink.SIMULATED).run.result
+    again = drill_on_plain(folder / "saved.toml").run.result
     assert (again.digest, again.motion_digest) == (result.digest, result.motion_digest)
 
 

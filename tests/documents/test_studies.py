@@ -11,8 +11,8 @@ from network.clock import clock
 from scenario.scenario import load_scenario
 from simulation.settings import Interlocking
 from study.drilling.drill import find_drill
-from study.runner.run import PartyLink, execute
 from study.sweep.plan import load_plan
+from tests.plain import run_on_plain
 from vehicle.train_file import load_train, shipped_train
 
 FILES = sorted(studies.FOLDER.glob("*/*.toml"))
@@ -89,7 +89,7 @@ def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
     found: dict[Interlocking, tuple[int, float]] = {}
     for name in ("80_cable_cut_central", "80b_cable_cut_on_board"):
         scenario = load_scenario(find_drill(f"rtri/{name}"))
-        stops = execute(scenario, PartyLink.SIMULATED).tables.stops
+        stops = run_on_plain(scenario).tables.stops
         arrived = studies.arrived_within(stops, 36_001.0, 36_301.0)
         found[scenario.setup.operation.interlocking] = (
             arrived,

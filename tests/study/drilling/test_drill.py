@@ -16,6 +16,7 @@ from simulation.faults.script import Property
 from study.drilling.drill import Drill, fill_drill, find_drill, run_drill, sentence_of, shipped_drills
 from study.record.directory import reserved
 from study.runner.run import PartyLink, terminals_of
+from tests.plain import drill_on_plain
 from tests.study.report.page import payload_of
 
 RTRI = [name for name in shipped_drills() if name.startswith("rtri/")]
@@ -78,7 +79,7 @@ def test_every_drill_is_met_where_sections_are_given_back_one_by_one(name: str, 
         f'[operation]\nrelease = "section"\nreentry = "{operation.reentry.value}"\n'
         f'interlocking = "{operation.interlocking.value}"\n'
     )
-    drill = run_drill(str(file), PartyLink.SIMULATED)
+    drill = drill_on_plain(file)
     assert drill.run.scenario.setup.operation.release is ReleaseRule.SECTION
     missed = {v.text for v in drill.verdicts if not v.passed}
     assert missed <= set(OF_WHOLE_ROUTES.get(name, ()))
@@ -106,7 +107,7 @@ def digest(drill: Drill) -> str:
     ),
 )
 def test_a_drill_is_the_same_with_processes_that_are_killed(name: str) -> None:
-    assert digest(run_drill(name, PartyLink.ZENOH)) == digest(run_drill(name, PartyLink.SIMULATED))
+    assert digest(run_drill(name, PartyLink.ZENOH)) == digest(drill_on_plain(name))
 
 
 @pytest.mark.system
@@ -123,7 +124,7 @@ def test_an_expectation_not_met_is_told_and_fails_the_drill(tmp_path: Path) -> N
         'extends = "rtri_test_line"\nid = "tried"\n'
         '[[expect]]\ntext = "it breaks"\nevent = { who = "K1", what = "position_fault" }\n'
     )
-    drill = run_drill(str(file), PartyLink.SIMULATED)
+    drill = drill_on_plain(file)
     assert not drill.passed
     told = json.loads(json.dumps(drill.as_dict()))
     broken, *defaults = told["expectations"]
@@ -154,7 +155,7 @@ def test_days_are_shipped_for_the_threats_to_transmission() -> None:
 def drill_of(tmp_path: Path, script: str, timetable: str = "") -> Drill:
     file = tmp_path / "tried.toml"
     file.write_text(f'extends = "rtri_test_line"\nid = "tried"\n{timetable}{script}')
-    return run_drill(str(file), PartyLink.SIMULATED)
+    return drill_on_plain(file)
 
 
 @pytest.mark.system
@@ -225,7 +226,7 @@ def test_what_never_came_due_is_said(tmp_path: Path) -> None:
 
 @pytest.mark.system
 def test_a_drills_directory_shows_the_drill(tmp_path: Path) -> None:
-    drill = run_drill("rtri/21_points_stuck", PartyLink.SIMULATED)
+    drill = drill_on_plain("rtri/21_points_stuck")
     out = tmp_path / "out"
     with reserved(out) as place:
         page = fill_drill(drill, place).read_text("utf-8")

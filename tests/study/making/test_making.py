@@ -13,12 +13,11 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.timetable import CallKind, load_timetable
 from scenario.scenario import load_scenario
-from study.drilling.drill import run_drill
 from study.feasibility.check import feasibility
 from study.making.scenario import new_drill, new_scenario
 from study.making.timetable import Pattern, new_timetable
 from study.making.train import Figures, new_train
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import drill_on_plain, run_on_plain
 from vehicle.train_file import shipped_train
 
 VALLEY = Path(__file__).parents[2] / "examples" / "line" / "valley.toml"
@@ -105,7 +104,7 @@ def test_a_file_that_cannot_be_made_is_refused(name: str, tmp_path: Path) -> Non
 def test_a_new_drill_runs_and_is_passed(base: str, tmp_path: Path) -> None:
     made = new_drill(base, tmp_path / "mine.toml")
     assert len(made.setup.script.faults) == len(made.setup.script.acts) == 1
-    drill = run_drill(str(tmp_path / "mine.toml"), PartyLink.SIMULATED)
+    drill = drill_on_plain(tmp_path / "mine.toml")
     assert drill.passed
     late_s = drill.run.summary["late_s_max"]
     assert late_s > 20.0  # the fault did something: the first train waits for its route
@@ -280,7 +279,7 @@ def test_the_shipped_line_and_the_file_name_one_another(tmp_path: Path) -> None:
 def test_a_new_timetable_runs_on_time(tmp_path: Path) -> None:
     pattern = Pattern(1800, 6 * HOUR_S, 7 * HOUR_S + 1)
     new_timetable(str(VALLEY), "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
-    run = execute(load_scenario(str(tmp_path / "run.toml")), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain(tmp_path / "run.toml")
     assert not run.broken
     assert run.summary["trains_arrived"] == run.summary["trains_planned"] == 5
     assert run.summary["late_s_max"] < 30.0
