@@ -299,13 +299,12 @@ def test_an_interval_that_cannot_work_is_refused_with_one_that_can(tmp_path: Pat
 
 
 def test_no_more_trains_are_tried_than_are_asked_for(tmp_path: Path) -> None:
-    """Every half an hour is too often for this line (its only loop lies 17 min from one end), but not a single time."""
-    one = Pattern(1800, 6 * HOUR_S, 6 * HOUR_S + 1200)
-    assert new_timetable("karasuyama", "br642", one, tmp_path / "one.toml", None) == 2
+    """Every quarter of an hour is too often where the only loop lies 8 km from one end, but not a single time."""
+    drawn = str(line_file(tmp_path, "name,km,tracks,kind\nA,0,1,\nK,4,2,signal station\nO,12,1,\n"))
+    one = Pattern(900, 6 * HOUR_S, 6 * HOUR_S + 899)
+    assert new_timetable(drawn, "ev_e301", one, tmp_path / "one.toml", None) == 2
     with pytest.raises(InputError):
-        new_timetable(
-            "karasuyama", "br642", Pattern(1800, 6 * HOUR_S, 9 * HOUR_S), tmp_path / "more.toml", None
-        )
+        new_timetable(drawn, "ev_e301", Pattern(900, 6 * HOUR_S, 7 * HOUR_S), tmp_path / "more.toml", None)
 
 
 def test_times_that_make_no_day_are_refused(tmp_path: Path) -> None:
