@@ -15,6 +15,7 @@ from scenario.scenario import Scenario, load_scenario
 from study.plot.sumo_day import SumoDay, export_sumo, setup_as_run, vehicles_of, write_files
 from study.record.read_back import read_run
 from study.runner.run import PartyLink, execute, write_run
+from tests.plain import run_on_plain
 
 sumo = pytest.importorskip("sumo", reason="the extra net is not installed")
 AT_NIGHT = ("busy_line", "kururi_weekday", "isumi_weekday")
@@ -148,7 +149,7 @@ def test_a_train_that_passes_does_not_stand_and_passes_on_time(turn_back: str, t
 def test_a_run_directory_shows_the_day_as_it_ran(tmp_path: Path) -> None:
     """To the second, where the timetable has whole minutes."""
     scenario = load_scenario("karasuyama_round_trip")
-    write_run(execute(scenario, PartyLink.SIMULATED), tmp_path / "run")
+    write_run(run_on_plain(scenario), tmp_path / "run")
     run = read_run(tmp_path / "run")
     ran = run_day(export_sumo(scenario.id, setup_as_run(run), tmp_path / "out"))
     as_run = {
