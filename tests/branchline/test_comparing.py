@@ -13,8 +13,6 @@ from study.outcome import Outcome
 from study.runner.run import write_run
 from tests.plain import run_on_plain
 
-pytestmark = pytest.mark.system
-
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:

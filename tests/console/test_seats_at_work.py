@@ -32,8 +32,6 @@ from study.runner.run import CarrierKind
 from tests.console.conftest import TWO
 from tests.plain import drill_on_plain
 
-pytestmark = pytest.mark.system
-
 TEN: Final = 36_000
 MPS_PER_KMH: Final = 1.0 / 3.6
 

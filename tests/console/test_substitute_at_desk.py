@@ -38,8 +38,6 @@ from tests.console.test_seats_at_work import replayed
 from tests.nightly import A_FIFTH
 from tests.plain import drill_on_plain, run_on_plain
 
-pytestmark = pytest.mark.system
-
 DRILL: Final = "rtri/95_substitute_working"
 TICKETS: Final = "rtri/95b_pilots_ticket"
 FEW = settings(A_FIFTH, phases=[Phase.explicit, Phase.generate], suppress_health_check=list(HealthCheck))

@@ -26,8 +26,6 @@ from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
 from tests.plain import drill_on_plain
 
-pytestmark = pytest.mark.system
-
 
 def run_as_expected(name: str) -> FinishedRun:
     """The drill's run, all that it expects being met."""

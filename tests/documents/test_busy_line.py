@@ -95,7 +95,6 @@ def _first_two_trains_of_each_set() -> Timetable:
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_a_morning_of_it_runs_to_plan() -> None:
     scenario = load_scenario(LINE_ID)
     setup = replace(scenario.setup, timetable=_first_two_trains_of_each_set())

@@ -83,7 +83,6 @@ def test_headways_are_those_of_the_page() -> None:
     assert studies.block_text(studies.headways()) == block("headways")
 
 
-@pytest.mark.system
 def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
     """The paper's line in place of a day: the drills of the page, with its measures."""
     found: dict[Interlocking, tuple[int, float]] = {}
@@ -101,7 +100,6 @@ def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 @pytest.mark.timeout(3600)
 def test_all_figures_are_those_of_the_pages(tmp_path: Path) -> None:
     runs = studies.StudyRuns(tmp_path)

@@ -11,8 +11,6 @@ from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
 from tests.plain import drill_on_plain, run_on_plain
 
-pytestmark = pytest.mark.system
-
 
 def _run(**sensors: object) -> FinishedRun:
     scenario = load_scenario("rtri_test_line", 1)

@@ -331,7 +331,6 @@ def test_two_are_not_let_into_one_track(
     assert bool(result.unfinished) is (not looks and how == "authority")
 
 
-@pytest.mark.system
 def test_a_manager_that_fails_again_as_its_sections_are_handed_back_holds_nobody_up(tmp_path: Path) -> None:
     """One section is ended a minute after it is back, another is not as it fails for two hours more."""
     text = Path(find_drill("karasuyama/95_substitute_working")).read_text("utf-8").partition("[[expect]]")[0]

@@ -17,8 +17,6 @@ from verify.explore import ExploredSpace, explored
 from verify.explored_line import UNITS, Budgets, ExploredLine
 from verify.restored import restored
 
-pytestmark = pytest.mark.system
-
 COLLIDES: Final = ("sign-off-frees", Budgets(power=1), False, "collision from behind of u1")
 FALLS_OUT: Final = (
     COLLIDES,

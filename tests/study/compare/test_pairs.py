@@ -27,7 +27,6 @@ from tests.study.compare.pairs import (
     trains_directly,
 )
 
-pytestmark = pytest.mark.system
 OVER_S = 1.0
 IN_EVERY_RUN = ("slower_points", "one_more")  # what is not as it was, and what was not there
 MADE = Callable[[str, str], Path]

@@ -38,7 +38,6 @@ def test_a_shipped_drill_demands_safety_and_arrival_besides_its_own(name: str) -
     assert sentence_of(name) == scenario.name
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("name", at_night(RTRI, EVERY_RUN))
 def test_every_drill_on_the_test_line_is_met(name: str) -> None:
     drill = run_drill(name, PartyLink.SIMULATED)
@@ -69,7 +68,6 @@ OF_WHOLE_ROUTES = {
 }
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("name", at_night([*RTRI, *KARASUYAMA], EVERY_RUN[::2]))
 def test_every_drill_is_met_where_sections_are_given_back_one_by_one(name: str, tmp_path: Path) -> None:
     operation = load_scenario(find_drill(name)).setup.operation
@@ -86,7 +84,6 @@ def test_every_drill_is_met_where_sections_are_given_back_one_by_one(name: str, 
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 @pytest.mark.parametrize("name", ["karasuyama/09_manager_power", "karasuyama/33_links_flip"])
 def test_a_disturbed_day_is_met(name: str) -> None:
     drill = run_drill(name, PartyLink.SIMULATED)
@@ -98,7 +95,6 @@ def digest(drill: Drill) -> str:
     return drill.run.result.digest
 
 
-@pytest.mark.system
 @pytest.mark.parametrize(
     "name",
     at_night(
@@ -110,14 +106,12 @@ def test_a_drill_is_the_same_with_processes_that_are_killed(name: str) -> None:
     assert digest(run_drill(name, PartyLink.ZENOH)) == digest(drill_on_plain(name))
 
 
-@pytest.mark.system
 def test_another_seed_is_another_run_and_the_same_seed_the_same() -> None:
     name = "rtri/27_slippery_rail"
     first, again, other = (digest(run_drill(name, PartyLink.SIMULATED, seed)) for seed in (2, 2, 3))
     assert first == again != other
 
 
-@pytest.mark.system
 def test_an_expectation_not_met_is_told_and_fails_the_drill(tmp_path: Path) -> None:
     file = tmp_path / "tried.toml"
     file.write_text(
@@ -158,7 +152,6 @@ def drill_of(tmp_path: Path, script: str, timetable: str = "") -> Drill:
     return drill_on_plain(file)
 
 
-@pytest.mark.system
 def test_a_stock_that_never_finishes_its_last_duty_has_not_arrived(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -180,7 +173,6 @@ def test_a_stock_that_never_finishes_its_last_duty_has_not_arrived(
     assert any("K1" in text for text in drill.run.broken)
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("start_s", [10, 40, 75])
 def test_a_frozen_unit_delays_its_train_and_nothing_else(tmp_path: Path, start_s: int) -> None:
     fault = (
@@ -197,7 +189,6 @@ def test_a_frozen_unit_delays_its_train_and_nothing_else(tmp_path: Path, start_s
     assert said == []  # it does nothing, not even timers
 
 
-@pytest.mark.system
 def test_a_frozen_unit_whose_pile_is_not_kept_does_not_get_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -215,7 +206,6 @@ def test_a_frozen_unit_whose_pile_is_not_kept_does_not_get_in(
     assert not drill.passed
 
 
-@pytest.mark.system
 def test_what_never_came_due_is_said(tmp_path: Path) -> None:
     """The run is over at a quarter past ten: a fault at eleven at night disturbs nothing, and all expected is met."""
     fault = '[[fault]]\nkind = "frozen"\ntarget = "K1"\nduration_s = 1.0\nstart = '
@@ -224,7 +214,6 @@ def test_what_never_came_due_is_said(tmp_path: Path) -> None:
     assert drill.never_due == ("frozen K1",) == tuple(drill.as_dict()["never_due"])
 
 
-@pytest.mark.system
 def test_a_drills_directory_shows_the_drill(tmp_path: Path) -> None:
     drill = drill_on_plain("rtri/21_points_stuck")
     out = tmp_path / "out"

@@ -27,8 +27,6 @@ from study.runner.run import simulation_of
 from tests.nightly import others_nightly
 from tests.plain import drill_on_plain
 
-pytestmark = pytest.mark.system
-
 NAME = "rtri/12_terminal_power"
 
 

@@ -57,7 +57,6 @@ def test_arrange_leaves_crews_their_time() -> None:
     assert turns_s[1] - turns_s[0] == 240 - 60  # instead of the minute in which a driver changes ends
 
 
-@pytest.mark.system
 def test_a_run_begins_the_next_train_no_sooner(tmp_path: Path) -> None:
     finished = run_on_plain(_day(tmp_path, 240.0))
     entries = finished.result.journal.entries

@@ -99,7 +99,6 @@ def test_a_file_that_cannot_be_made_is_refused(name: str, tmp_path: Path) -> Non
 # drill -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("base", ["rtri_test_line", "karasuyama_round_trip"])
 def test_a_new_drill_runs_and_is_passed(base: str, tmp_path: Path) -> None:
     made = new_drill(base, tmp_path / "mine.toml")
@@ -275,7 +274,6 @@ def test_the_shipped_line_and_the_file_name_one_another(tmp_path: Path) -> None:
         load_timetable(tmp_path / "tt.toml", load_line(shipped_line("karasuyama")))
 
 
-@pytest.mark.system
 def test_a_new_timetable_runs_on_time(tmp_path: Path) -> None:
     pattern = Pattern(1800, 6 * HOUR_S, 7 * HOUR_S + 1)
     new_timetable(str(VALLEY), "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")

@@ -15,8 +15,6 @@ import pytest
 from tests.conftest import Ended
 from tests.study.sweep.conftest import SWEEP, WAIT_S
 
-pytestmark = pytest.mark.system
-
 DRAW = """
 [[draw]]
 name = "shortest_stop"
