@@ -29,7 +29,7 @@ from simulation.loop import Simulation
 from simulation.result import Ending, RunResult
 from simulation.setup import STEPS_PER_S, step_not_before
 from study.drilling.replay_file import clock_of, replay_of
-from study.runner.run import simulation_of
+from study.runner.run import CarrierKind, simulation_of
 
 AT_DESK: Final = "desk"  # where a message says that what is wrong was entered
 _IN_FORCE: Final = "the number of a fault in force that was begun here"
@@ -67,8 +67,9 @@ class Deed:
 class Session:
     """A scenario's run that is worked; a context manager, since SUMO carries one run a process."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, carrier: CarrierKind = CarrierKind.SUMO) -> None:
         self._scenario: Final = scenario
+        self._carrier: Final = carrier
         _check(scenario)
         self.names: Final[Names] = names_of(scenario.setup)
         self.deeds: list[Deed] = []
@@ -149,7 +150,7 @@ class Session:
 
     def _open(self) -> None:
         setup = replace(self._scenario.setup, script=self._whole_script())
-        self._simulation = self._stack.enter_context(simulation_of(setup))
+        self._simulation = self._stack.enter_context(simulation_of(setup, carrier=self._carrier))
         self.line = LineSeen(setup, DayForecast(setup))
         self._simulation.journal.watch(self.line.see)
         self.ended, self._result = None, None

@@ -29,7 +29,7 @@ from simulation.faults.devices import PowerCut
 from simulation.faults.links import ANY, Cut
 from simulation.faults.links import FaultyLink as RadioLink
 from simulation.faults.script import Script, ScriptedFault, Trigger, matcher_of
-from study.runner.run import FinishedRun, PartyLink, execute
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from wayside.config import MANAGER_ID
 from wayside.said import Freed, Granted
 
@@ -65,7 +65,7 @@ RESTARTS: Final = (
 
 def run_without_failure() -> FinishedRun:
     """The paper's run from section 3 to section 8."""
-    return execute(load_scenario(SCENARIO), PartyLink.SIMULATED)
+    return execute(load_scenario(SCENARIO), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
 def sequence(run: FinishedRun) -> str:
@@ -186,7 +186,7 @@ def _with_restart(scenario: Scenario, case: RestartCase, *, radio: bool) -> Fini
         cut = Cut(target=RadioLink(UNIT, ANY, both_ways=True))
         faults.append(ScriptedFault(cut, trigger, NO_RADIO_S))
     setup = replace(scenario.setup, script=Script(tuple(faults)))
-    return execute(replace(scenario, setup=setup), PartyLink.SIMULATED)
+    return execute(replace(scenario, setup=setup), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
 
 
 def _after_restart(run: FinishedRun) -> list[JournalEntry]:

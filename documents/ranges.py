@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from documents.interlocking import table
 from network.files.quantities import ALL
-from network.files.schema_walk import resolved_node
+from network.files.schema_walk import json_schema_of, resolved_node
 from scenario.schemas import LINE, SCENARIO, TIMETABLE, TRAIN
 from simulation.faults.table import KINDS as FAULTS
 from vehicle.train_checks import RULES
@@ -39,7 +39,7 @@ brake does not come before the service brake.
 
 def quantity_keys(model: type[BaseModel]) -> Iterator[tuple[str, str]]:
     """Every number that a file of this model may hold: its key, and the name of its kind; empty if it has none."""
-    schema = model.model_json_schema()
+    schema = json_schema_of(model)
     waiting: list[Mapping[str, Any]] = [schema]
     seen: set[int] = set()
     while waiting:

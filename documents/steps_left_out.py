@@ -24,7 +24,7 @@ from simulation.result import RunResult, TraceSpan
 from simulation.setup import STEPS_PER_S
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill
-from study.runner.run import PartyLink, execute
+from study.runner.run import CarrierKind, PartyLink, execute
 
 FILE: Final = Path("docs/studies/steps-left-out.md")
 UNTIL_S: Final = 9.5 * 3600.0  # substitute working is over, and trains run by authority again
@@ -75,7 +75,7 @@ def without(scenario: Scenario, *steps: LeftOutStep, until_s: float = UNTIL_S) -
 
 def outcome_of(scenario: Scenario) -> LeftOutOutcome:
     """Run it and look."""
-    result = execute(scenario, PartyLink.SIMULATED).result
+    result = execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result
     kinds = [violation.checker for violation in result.violations]
     named = (Checker.ONE_TRAIN_A_SECTION.value, Checker.PILOTS_LEAVE.value)
     unsafe = tuple(e.event.text for e in result.journal.entries if isinstance(e.event, Unsafe))

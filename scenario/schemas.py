@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from exchange.additions import AdditionsFile
 from network.errors import InputError
 from network.files.line_schema import LineFile
+from network.files.schema_walk import json_schema_of
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import one_of
 from network.making.station_list import StationListFile
@@ -35,11 +36,11 @@ class FileKind:
 
     def example(self) -> dict[str, Any]:
         """Every key with a value: as the file of examples writes it, else its default."""
-        return filled_example(self.model.model_json_schema(), written_example(self.name))
+        return filled_example(json_schema_of(self.model), written_example(self.name))
 
     def schema(self) -> dict[str, Any]:
         """The JSON Schema with examples."""
-        return with_examples(self.model.model_json_schema(), self.example())
+        return with_examples(json_schema_of(self.model), self.example())
 
 
 LINE: Final = FileKind(

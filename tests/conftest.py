@@ -36,15 +36,14 @@ settings.register_profile("many", settings.get_profile("few"), max_examples=300)
 settings.load_profile("few")
 
 TESTS: Final = Path(__file__).parent
-MARKED: Final = {"browser": ("browser", "system"), "system": ("system",)}
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What stands in some folders is marked; elsewhere a file or test says so itself."""
+    """What opens a browser stands in its folder."""
     for item in items:
-        for mark in MARKED.get(item.path.relative_to(TESTS).parts[0], ()):
-            item.add_marker(mark)
+        if item.path.relative_to(TESTS).parts[0] == "browser":
+            item.add_marker("browser")
 
 
 def pytest_collection_finish() -> None:

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from network.errors import InputError
-from network.files.schema_walk import keys_text, nearest_first, node_at, range_text
+from network.files.schema_walk import json_schema_of, keys_text, nearest_first, node_at, range_text
 from network.files.text_input import check_nesting, read_text, too_deep
 
 __all__ = ["Record", "key_path", "one_of", "parse_table", "parse_toml", "read_text", "validate"]
@@ -87,7 +87,7 @@ def one_of(known: Iterable[str], wanted: str = "") -> str:
 
 
 def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> InputError:
-    schema = model.model_json_schema()
+    schema = json_schema_of(model)
     node, location = node_at(schema, detail["loc"])
     key, value = key_path(location), detail["input"]
     if detail["type"] == "missing":

@@ -30,7 +30,7 @@ from study.record.journal_rows import EventInWords
 from study.record.marks import DrillShown, Mark, MarkKind, mark_of
 from study.record.tables import RunTables, make_table
 from study.runner.outcome import unfinished
-from study.runner.run import FinishedRun, PartyLink, UnitsAt, execute, fill_run
+from study.runner.run import CarrierKind, FinishedRun, PartyLink, UnitsAt, execute, fill_run
 from study.wording import outcome as words
 from study.wording.phrase import Phrase, joined_phrases
 from study.wording.script import item_text
@@ -110,6 +110,7 @@ def run_drill(
     journal: Path | None = None,
     *,
     failing: bool = True,
+    carrier: CarrierKind = CarrierKind.SUMO,
 ) -> Drill:
     """Run a drill; its journal grows in a file, if there is one. With `failing` off nothing of it fails.
 
@@ -124,7 +125,7 @@ def run_drill(
     if not failing:
         calm = replace(script, faults=())
         scenario = replace(scenario, setup=replace(scenario.setup, script=calm))
-    run = execute(scenario, link, units=units, progress=progress, journal=journal)
+    run = execute(scenario, link, units=units, carrier=carrier, progress=progress, journal=journal)
     verdicts = judge(script.expectations, run.result, run.tables)
     scores = score(
         run.result.courses,

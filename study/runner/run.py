@@ -300,18 +300,19 @@ def simulation_of(
     setup: Setup,
     road_in: Callable[[Path], Road] | None = None,
     detectors: ObstacleDetectors | None = None,
+    carrier: CarrierKind = CarrierKind.SUMO,
 ) -> Generator[Simulation]:
-    """A simulation on SUMO with all parties in this process, ready to `begin`; its carrier is released at the end.
+    """A simulation with all parties in this process, ready to `begin`; its carrier is released at the end.
 
     `road_in` makes another road than the line's, with its files in a folder, and other `detectors` hear of obstacles.
     """
     with scratch(TEMPORARY) as folder:
-        road = road_of(setup, roads_at(setup), folder) if road_in is None else road_in(folder)
+        road = road_of(setup, carrier.roads(setup), folder) if road_in is None else road_in(folder)
         net = net_for(setup.line, folder, () if road is None else road.roads)
         master_key = secrets.token_bytes(KEY_BYTES)
         units = LocalUnits(unit_configs(setup, master_key))
         with parties_of(PartyLink.SIMULATED, setup.line.id, specs_of(setup, master_key), folder) as parties:
-            make = carrier_factory(CarrierKind.SUMO, setup.line, net)
+            make = carrier_factory(carrier, setup.line, net)
             link = PartyLink.SIMULATED.value
             simulation = Simulation(
                 setup, make, parties, read_net(net), units, link, road=road, detectors=detectors

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from scenario.scenario import load_scenario
-from study.runner.run import CarrierKind, PartyLink, execute, write_run
+from study.runner.run import write_run
+from tests.plain import run_on_plain
 
 
 def test_theory_needs_no_run(main: Callable[..., Any], tmp_path: Path) -> None:
@@ -27,7 +27,7 @@ def test_theory_needs_no_run(main: Callable[..., Any], tmp_path: Path) -> None:
 
 
 def test_a_run_directory_is_read_back_and_compared(main: Callable[..., Any], tmp_path: Path) -> None:
-    run = execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain("rtri_test_line")
     write_run(run, tmp_path / "run")
     alone = main("blocking", str(tmp_path / "run"), "--json").figures()
     assert alone["of"] == "run"

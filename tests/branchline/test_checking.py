@@ -179,7 +179,6 @@ def test_a_drill_that_failed_says_whether_its_plan_could_work(capfd: pytest.Capt
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_anyway_runs_it_all_the_same(
     main: Callable[..., Any], valley: Callable[..., None], tmp_path: Path
 ) -> None:

@@ -168,7 +168,6 @@ def test_who_reads_no_further_ends_it_in_one_line(command: tuple[str, ...]) -> N
     assert done.stderr == "error: the reader of the output has closed it\n"
 
 
-@pytest.mark.system
 def test_a_run_for_a_person_and_its_seed(main: Callable[..., Any], tmp_path: Path) -> None:
     ended = main("run", "rtri_test_line", "--carrier", "plain", "--seed", "3", "--out", "a/b")
     assert ended.code == 0
@@ -183,7 +182,6 @@ def test_a_run_for_a_person_and_its_seed(main: Callable[..., Any], tmp_path: Pat
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]
 
 
-@pytest.mark.system
 def test_a_run_replaces_the_run_before_it(main: Callable[..., Any], tmp_path: Path) -> None:
     digests = []
     for seed in ("1", "2"):

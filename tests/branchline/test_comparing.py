@@ -10,9 +10,8 @@ import pytest
 
 from scenario.scenario import load_scenario
 from study.outcome import Outcome
-from study.runner.run import CarrierKind, PartyLink, execute, write_run
-
-pytestmark = pytest.mark.system
+from study.runner.run import write_run
+from tests.plain import run_on_plain
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +19,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Run directories one (seed 1), two (seed 2)."""
     folder = tmp_path_factory.mktemp("runs")
     for name, seed in (("one", 1), ("two", 2)):
-        run = execute(load_scenario("rtri_test_line", seed), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+        run = run_on_plain(load_scenario("rtri_test_line", seed))
         write_run(run, folder / name)
     return folder
 

@@ -33,7 +33,6 @@ def test_json_is_one_object(main: Callable[..., Ended], tmp_path: Path) -> None:
     assert {"taken", "assumed", "left", "obstacles", "tracks", "points", "stations"} <= figures.keys()
 
 
-@pytest.mark.system
 def test_a_map_becomes_a_net_that_comes_back(main: Callable[..., Ended], tmp_path: Path) -> None:
     pytest.importorskip("sumo", reason="the extra net is not installed")
     (tmp_path / "in.osm").write_text(OSM, "utf-8")

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from scenario.scenario import load_scenario
-from study.runner.run import CarrierKind, PartyLink, execute, write_run
+from study.runner.run import write_run
+from tests.plain import run_on_plain
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("plotted") / "run"
-    write_run(execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN), out)
+    write_run(run_on_plain("rtri_test_line"), out)
     return out
 
 

@@ -17,8 +17,6 @@ from simulation.setup import STEPS_PER_S
 from study.drilling.drill import find_drill, run_drill
 from study.runner.run import PartyLink
 
-pytestmark = pytest.mark.system
-
 TEN: Final = 36_000
 FAULTS: Final = {
     *("barriers_stuck", "lamps_dead", "crossing_undetected", "stalled_vehicle", "button_pressed"),

@@ -17,8 +17,6 @@ from simulation.setup import STEPS_PER_S
 from study.drilling.drill import run_drill
 from study.runner.run import PartyLink, simulation_of
 
-pytestmark = pytest.mark.system
-
 LONG_S: Final = 60.0  # no test waits so long
 
 

@@ -28,8 +28,6 @@ from study.record.shown import RuleBroken
 from study.runner.run import PartyLink, execute, fill_run
 from tests.console.conftest import TWO, run_apart
 
-pytestmark = pytest.mark.system
-
 TEN: Final = 36_000.0
 HOST: Final = "127.0.0.1:8580"
 

@@ -27,11 +27,10 @@ from scenario.scenario import Scenario, load_scenario
 from simulation.faults.script import ScriptedFault
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
-from study.drilling.drill import find_drill, run_drill
-from study.runner.run import PartyLink
+from study.drilling.drill import find_drill
+from study.runner.run import CarrierKind
 from tests.console.conftest import TWO
-
-pytestmark = pytest.mark.system
+from tests.plain import drill_on_plain
 
 TEN: Final = 36_000
 MPS_PER_KMH: Final = 1.0 / 3.6
@@ -40,7 +39,7 @@ MPS_PER_KMH: Final = 1.0 / 3.6
 def replayed(session: Session, folder: Path) -> RunResult:
     file = folder / "saved.toml"
     file.write_text(session.drill_text("saved", "saved"), "utf-8")
-    return run_drill(str(file), PartyLink.SIMULATED).run.result
+    return drill_on_plain(file).run.result
 
 
 def act(desk: Desk, seat: Seat, kind: str, unit: str = "", **keys: Any) -> DeskAnswer:  # noqa: ANN401
@@ -55,7 +54,7 @@ def test_a_train_driven_by_hand_keeps_to_its_authority_and_replays(
     two_trains: Scenario, tmp_path: Path
 ) -> None:
     """Full power from the departure on, and nobody brakes: the unit does, and nothing is passed."""
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 30) * STEPS_PER_S)
         assert act(desk, Seat.DRIVER, "drive", "K1", target="K1", notch=9).good
@@ -78,7 +77,7 @@ def test_a_train_driven_by_hand_keeps_to_its_authority_and_replays(
 
 
 def test_a_driver_who_does_not_take_power_does_not_leave(two_trains: Scenario) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 30) * STEPS_PER_S)
         desk.cabs = frozenset({"K1"})
@@ -93,7 +92,7 @@ def test_a_driver_who_does_not_take_power_does_not_leave(two_trains: Scenario) -
 
 
 def test_a_driver_sees_and_moves_no_other_train(two_trains: Scenario) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         desk.cabs = frozenset({"K1"})
         refused = act(desk, Seat.DRIVER, "drive", "K1", target="K2", notch=5)
@@ -109,7 +108,7 @@ def test_a_driver_sees_and_moves_no_other_train(two_trains: Scenario) -> None:
 def test_a_train_held_by_the_dispatcher_leaves_later_by_that_and_it_replays(
     two_trains: Scenario, tmp_path: Path
 ) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 400) * STEPS_PER_S)
         assert act(desk, Seat.DISPATCHER, "hold_train", target="K1", hold_s=520.0).good
@@ -125,7 +124,7 @@ def test_a_train_held_by_the_dispatcher_leaves_later_by_that_and_it_replays(
 
 
 def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_trains: Scenario) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 100) * STEPS_PER_S)
         wrong = act(desk, Seat.DISPATCHER, "hold_train", target="K1", behind="K2")
@@ -145,7 +144,7 @@ def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_
 def test_armed_changed_and_told_by_the_instructor_alone_and_it_replays(
     two_trains: Scenario, tmp_path: Path
 ) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 200) * STEPS_PER_S)
         fault = {"kind": "power_off", "target": "block-manager", "start": "10:00:20", "duration_s": 30.0}
@@ -170,7 +169,7 @@ def test_armed_changed_and_told_by_the_instructor_alone_and_it_replays(
 
 
 def test_a_fault_goes_on_with_other_figures(two_trains: Scenario, tmp_path: Path) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 100) * STEPS_PER_S)
         loss = {"kind": "loss", "target": "K1 <-> block-manager", "p": 0.2}
@@ -187,7 +186,7 @@ def test_a_fault_goes_on_with_other_figures(two_trains: Scenario, tmp_path: Path
 
 
 def test_a_fault_with_other_figures_is_over_when_it_would_have_been(two_trains: Scenario) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 100) * STEPS_PER_S)
         loss = {"kind": "loss", "target": "K1 <-> block-manager", "p": 0.2, "duration_s": 60.0}
@@ -214,7 +213,7 @@ def test_nobody_has_recovered_while_a_train_stands_and_what_it_loses_grows(tmp_p
     """
     file = tmp_path / "two.toml"
     file.write_text(TWO, "utf-8")
-    with Session(load_scenario(str(file))) as session:
+    with Session(load_scenario(str(file)), CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN + 40) * STEPS_PER_S)
         ask(desk, Fail(fault={"kind": "power_off", "target": "K1", "duration_s": 400.0}))
@@ -234,7 +233,7 @@ def test_nobody_has_recovered_while_a_train_stands_and_what_it_loses_grows(tmp_p
 
 
 def test_a_fault_of_the_drill_that_is_served_is_in_its_protocol() -> None:
-    with Session(load_scenario(find_drill("rtri/09_manager_power"))) as session:
+    with Session(load_scenario(find_drill("rtri/09_manager_power")), CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN + 4) * STEPS_PER_S)
         assert scored(desk)["faults"] == []
@@ -245,7 +244,7 @@ def test_a_fault_of_the_drill_that_is_served_is_in_its_protocol() -> None:
 
 def test_what_was_refused_and_said_is_undone_with_the_rest(two_trains: Scenario) -> None:
     """Otherwise somebody would have acted on a fault who, as the run now is, has not."""
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 200) * STEPS_PER_S)
         ask(desk, Fail(fault={"kind": "power_off", "target": "block-manager"}))
@@ -261,7 +260,7 @@ def test_what_was_refused_and_said_is_undone_with_the_rest(two_trains: Scenario)
 
 def test_where_nothing_was_done_there_is_no_drill_to_save(two_trains: Scenario) -> None:
     """`branchline drill` refuses a file in which nothing fails and nobody acts."""
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         nothing = ask(desk, SaveDrill(id="saved"))
         assert not nothing.good and "something that was done" in nothing.why
@@ -272,7 +271,7 @@ def test_where_nothing_was_done_there_is_no_drill_to_save(two_trains: Scenario) 
 def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is_not(
     two_trains: Scenario,
 ) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         session.run_to((TEN - 200) * STEPS_PER_S)
         fault = {"kind": "power_off", "target": "block-manager", "start": "10:00:20", "duration_s": 30.0}
@@ -288,7 +287,7 @@ def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is
 
 
 def test_a_forecast_is_sent_when_it_is_another(two_trains: Scenario) -> None:
-    with Session(two_trains) as session:
+    with Session(two_trains, CarrierKind.PLAIN) as session:
         desk = Desk(session)
         first, had = state_for(desk.moment, Seat.DISPATCHER, SentSoFar())
         again, had = state_for(desk.moment, Seat.DISPATCHER, had)

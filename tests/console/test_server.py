@@ -30,8 +30,6 @@ from scenario.scenario import Scenario
 from study.report.face import FIRST_JAPANESE
 from tests.console.conftest import run_apart
 
-pytestmark = pytest.mark.system
-
 HOST: Final = "127.0.0.1:8580"
 ORIGIN: Final = {"origin": f"http://{HOST}"}
 

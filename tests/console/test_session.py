@@ -20,8 +20,6 @@ from study.drilling.drill import run_drill
 from study.runner.run import PartyLink, simulation_of
 from tests.nightly import A_FIFTH
 
-pytestmark = pytest.mark.system
-
 TEN: Final = 36_000 * STEPS_PER_S  # T1's departure
 
 

@@ -12,8 +12,6 @@ from scenario.scenario import Scenario
 
 PANEL = Path(__file__).parents[1] / "examples" / "panel" / "station_panel.py"
 
-pytestmark = pytest.mark.system
-
 
 def test_it_holds_a_train_and_records_what_it_hears(two_trains: Scenario, tmp_path: Path) -> None:
     pytest.importorskip("uvicorn", reason="the extra [console] is not installed")

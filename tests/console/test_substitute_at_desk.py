@@ -32,13 +32,11 @@ from simulation.setup import STEPS_PER_S
 from simulation.substitute import persons, sight
 from simulation.substitute.players import SubstitutePlayers
 from simulation.substitute_settings import LeftOutStep
-from study.drilling.drill import run_drill
-from study.runner.run import PartyLink, execute
+from study.runner.run import CarrierKind
 from tests.console.at_posts import AtPosts, drill_of, of_regime
 from tests.console.test_seats_at_work import replayed
 from tests.nightly import A_FIFTH
-
-pytestmark = pytest.mark.system
+from tests.plain import drill_on_plain, run_on_plain
 
 DRILL: Final = "rtri/95_substitute_working"
 TICKETS: Final = "rtri/95b_pilots_ticket"
@@ -48,6 +46,10 @@ PILOTS: Final = ("pilot 1", "pilot 6", "pilot 11")
 DRIVERS: Final = ("driver K1", "driver K2")
 EVERYBODY: Final = (*PEOPLE, *PILOTS, *DRIVERS)
 OFF_S: Final = 36_010.0  # the block manager loses its power
+
+
+def on_plain(scenario: Scenario) -> Session:
+    return Session(scenario, CarrierKind.PLAIN)
 
 
 def noted(session: Session, kind: type[Any] = StepNoted) -> list[tuple[str, str, str]]:
@@ -77,7 +79,7 @@ def test_every_step_by_hand_no_rule_breaks_and_all_arrive(
     name: str, regime: Regime, ticket: bool, tmp_path: Path
 ) -> None:
     """No step is the program's; its times are, so trains are not much later than if it had played all."""
-    with Session(of_regime(name, regime)) as session:
+    with on_plain(of_regime(name, regime)) as session:
         at = AtPosts(session, EVERYBODY)
         result = at.result()
         assert result.violations == () and not result.unfinished
@@ -92,7 +94,7 @@ def test_every_step_by_hand_no_rule_breaks_and_all_arrive(
 
 def test_a_step_waits_for_the_person_and_for_nobody_else() -> None:
     """Operator A does nothing: the sections at station A wait for him, and the one that he is not at goes on."""
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         AtPosts(session, ["operator A"])
         session.run_to(round((OFF_S + 300.0) * STEPS_PER_S))
         steps = done_in(session)
@@ -109,7 +111,7 @@ def test_a_step_waits_for_the_person_and_for_nobody_else() -> None:
 
 def test_a_person_leaves_out_what_the_program_would_have_and_the_same_comes_of_it() -> None:
     """Nobody agrees to T3: by a person and by `[[left_out]]` the same rule is broken by the same train."""
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         at = AtPosts(session, ["operator A"])
         while not [s for s in at.steps(StepState.NEXT) if s[1] == "agree"]:
             for step in at.steps(StepState.NEXT):
@@ -121,10 +123,10 @@ def test_a_person_leaves_out_what_the_program_would_have_and_the_same_comes_of_i
         score = json.loads(at.desk.ask(Seat.INSTRUCTOR, AskProtocol(), 0.0).text)
     left = LeftOutStep(step=WorkingStep.AGREE, block="1", train="T3")
     scenario = without(drill_of(DRILL), left, until_s=float("inf"))
-    by_program = execute(scenario, PartyLink.SIMULATED).result
+    by_program = run_on_plain(scenario).result
     found = [[(v.checker, v.subject) for v in one.violations] for one in (by_person, by_program)]
     assert found[0] == found[1] == [(Checker.PILOTS_LEAVE, "1 K2")]
-    with Session(scenario) as session:
+    with on_plain(scenario) as session:
         AtPosts(session).run()
         played = json.loads(Desk(session).ask(Seat.INSTRUCTOR, AskProtocol(), 0.0).text)
     told = [[(one["who"], one["what"], one["text"]) for one in each["steps"]] for each in (score, played)]
@@ -134,7 +136,7 @@ def test_a_person_leaves_out_what_the_program_would_have_and_the_same_comes_of_i
 
 def test_a_train_let_go_before_its_steps_is_written_down_and_seen_by_the_rule() -> None:
     """Operator PW lets T3 go with its unit cut out, and neither asked nor heard anything: all that is passed over."""
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         at = AtPosts(session, ["operator PW", "operator A", "driver K2", "pilot 1"])
         while (
             "pilot" not in done(session)
@@ -166,7 +168,7 @@ def test_a_train_let_go_before_its_steps_is_written_down_and_seen_by_the_rule() 
 
 def test_a_section_said_to_be_clear_with_a_train_in_it_is_the_accident() -> None:
     """V3 stands between Hoshakuji and Ogane with its unit dead, and the operator of Ogane says that nothing does."""
-    with Session(without(drill_of("karasuyama/95b_train_in_the_section"), until_s=25_900.0)) as session:
+    with on_plain(without(drill_of("karasuyama/95b_train_in_the_section"), until_s=25_900.0)) as session:
         at = AtPosts(session, ["operator OGN"])
         block = "HSK-OGN"
         while (block, "man") not in done_in(session):
@@ -197,7 +199,7 @@ def test_what_equipment_and_bodies_do_not_let_is_refused_and_written_down(
     post: str, step: str, block: str, train: str, why: str
 ) -> None:
     """Just after the manager has failed: nobody is a pilot yet, station B has nobody, T3 stands before its portal."""
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         session.run_to(round((OFF_S + 40.0) * STEPS_PER_S))
         at = AtPosts(session, [] if why is persons.NOT_TAKEN else [post])
         at.do(post, step, block, train)
@@ -210,7 +212,7 @@ def test_what_equipment_and_bodies_do_not_let_is_refused_and_written_down(
 
 @pytest.mark.parametrize("kept_s", [60.0, 240.0, 480.0])
 def test_a_role_given_back_is_played_on_by_the_program(kept_s: float) -> None:
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         at = AtPosts(session, EVERYBODY)
         at.run(OFF_S + kept_s)
         for post in EVERYBODY:
@@ -222,7 +224,7 @@ def test_a_role_given_back_is_played_on_by_the_program(kept_s: float) -> None:
 
 
 def test_each_seat_may_have_its_own_roles_and_no_other() -> None:
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         desk = Desk(session)
 
         def takes(seat: Seat, post: str, unit: str = "") -> str:
@@ -243,7 +245,7 @@ def test_each_seat_may_have_its_own_roles_and_no_other() -> None:
 
 
 def test_without_substitute_working_there_are_no_roles(two_trains: Scenario) -> None:
-    with Session(two_trains) as session:
+    with on_plain(two_trains) as session:
         desk = Desk(session)
         assert "take_role" not in desk.welcome(Seat.STAFF).acts
         with pytest.raises(InputError, match=r"no such act without \[substitute\]"):
@@ -277,7 +279,7 @@ def test_whoever_does_what_in_which_order_a_rule_breaks_only_where_it_is_written
     """Persons who follow the page take and give back roles at any time; some do a step out of its turn or leave it
     out. Where nobody does, no rule breaks and all arrive. In any case it replays to the byte.
     """
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         at = AtPosts(session)
         for after_s, post, what, pick in sorted(deeds):
             at.run(OFF_S + after_s)
@@ -297,14 +299,14 @@ def test_whoever_does_what_in_which_order_a_rule_breaks_only_where_it_is_written
         text = session.drill_text("saved", "saved")
     folder = tmp_path_factory.mktemp("saved")
     (folder / "saved.toml").write_text(text, "utf-8")
-    again = run_drill(str(folder / "saved.toml"), PartyLink.SIMULATED).run.result
+    again = drill_on_plain(folder / "saved.toml").run.result
     assert (again.digest, again.motion_digest) == (result.digest, result.motion_digest)
 
 
 def test_a_person_whose_step_the_program_does_too_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """What makes a step wait is `SubstitutePlayers._is_persons`."""
     monkeypatch.setattr(SubstitutePlayers, "_is_persons", lambda *_: False)
-    with Session(drill_of(DRILL)) as session:
+    with on_plain(drill_of(DRILL)) as session:
         AtPosts(session, ["operator A"])
         session.run_to(round((OFF_S + 300.0) * STEPS_PER_S))
         assert ("6", "clear") in done_in(session)

@@ -22,16 +22,14 @@ from simulation.events import SignalPassed
 from simulation.judge.log import Checker
 from simulation.line_signals_settings import LineSignals
 from simulation.setup import Setup
-from study.drilling.drill import run_drill
-from study.runner.run import FinishedRun, PartyLink
+from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
-
-pytestmark = pytest.mark.system
+from tests.plain import drill_on_plain
 
 
 def run_as_expected(name: str) -> FinishedRun:
     """The drill's run, all that it expects being met."""
-    drill = run_drill(name, PartyLink.SIMULATED)
+    drill = drill_on_plain(name)
     assert [f"{v.text}: {v.happened}" for v in drill.verdicts if not v.passed] == []
     return drill.run
 

@@ -14,9 +14,9 @@ from network.model import Direction, SectionKind
 from network.timetable import AtPortal, BecomesTrain, Timetable, load_timetable
 from scenario.scenario import load_scenario
 from study.feasibility.check import feasibility
-from study.runner.run import PartyLink, execute
 from sumo_cfg.build import committed_net, net_digest
 from sumo_cfg.writer import write_plain
+from tests.plain import run_on_plain
 
 LINE = load_line(shipped_line(LINE_ID))
 TIMETABLE = load_timetable(shipped_timetable(LINE_ID), LINE)
@@ -95,11 +95,10 @@ def _first_two_trains_of_each_set() -> Timetable:
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_a_morning_of_it_runs_to_plan() -> None:
     scenario = load_scenario(LINE_ID)
     setup = replace(scenario.setup, timetable=_first_two_trains_of_each_set())
-    run = execute(replace(scenario, setup=setup), PartyLink.SIMULATED)
+    run = run_on_plain(replace(scenario, setup=setup))
     assert run.broken == ()
     assert run.summary["invariants_broken"] == run.summary["collisions"] == 0
     assert run.summary["trains_arrived"] == 14

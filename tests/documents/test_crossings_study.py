@@ -10,8 +10,6 @@ from scenario.scenario import load_scenario
 from study.report.data import ReportedRun
 from study.runner.run import PartyLink, execute
 
-pytestmark = pytest.mark.system
-
 UNTIL_S = 21_600.0  # 06:00: the first trains
 CONTACT_M = 632.0  # 35 s at 65 km/h
 

@@ -10,7 +10,7 @@ import pytest
 from documents.files import UNIT_OF, pages, tables_of
 from network.errors import InputError
 from network.files.line_schema import LineFile
-from network.files.schema_walk import resolved_node
+from network.files.schema_walk import json_schema_of, resolved_node
 from network.files.shipped import shipped_line
 from scenario import schemas
 from scenario.scenario import shipped_scenarios
@@ -25,7 +25,7 @@ SCRIPT = ("[[fault]]", "[[act]]", "[[expect]]")
 
 def rows() -> Iterator[tuple[str, tuple[str, ...]]]:
     for kind in FILES:
-        for heading, _, found in tables_of(kind.model.model_json_schema()):
+        for heading, _, found in tables_of(json_schema_of(kind.model)):
             if not any(name in heading for name in SCRIPT):
                 yield from ((f"{kind.model.__name__} {heading}", row) for row in found)
 
@@ -102,7 +102,7 @@ def test_keys_in_other_units_are_those_that_the_reader_converts() -> None:
 
 def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
     data = tomllib.loads(shipped_line("busy_line").read_text("utf-8"))
-    assert set(data) <= set(LineFile.model_json_schema()["properties"])
+    assert set(data) <= set(json_schema_of(LineFile)["properties"])
     train = schema_of("train")
     for file in TRAINS_FOLDER.glob("*.toml"):
         for name, values in tomllib.loads(file.read_text("utf-8")).items():
@@ -110,4 +110,4 @@ def test_the_schemas_name_the_keys_of_the_shipped_files() -> None:
                 table = resolved_node(train, train["properties"][name])
                 assert set(values) <= set(table["properties"]), (file, name)
     assert shipped_scenarios()
-    assert "patch" in ScenarioFile.model_json_schema()["properties"]
+    assert "patch" in json_schema_of(ScenarioFile)["properties"]

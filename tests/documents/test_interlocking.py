@@ -34,7 +34,6 @@ def defects() -> ModuleType:
     return module
 
 
-@pytest.mark.system
 def test_the_document_is_what_the_code_writes() -> None:
     written = (ROOT / "docs/interlocking.md").read_text(encoding="utf-8")
     assert written == document(), "run `make docs`"

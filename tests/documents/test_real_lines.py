@@ -139,13 +139,11 @@ def _trains_run_to_plan(scenario: Scenario) -> int:
     return int(run.summary["trains_planned"])
 
 
-@pytest.mark.system
 def test_the_first_trains_of_a_weekday_run_and_none_is_a_minute_late() -> None:
     assert _trains_run_to_plan(part_of_day(load_scenario("isumi_weekday"), None, "07:00")) == 2
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 @each_day
 @each_line
 def test_so_does_every_train_of_the_day(real: RealLine, day: CalendarDay) -> None:

@@ -11,8 +11,8 @@ from network.clock import clock
 from scenario.scenario import load_scenario
 from simulation.settings import Interlocking
 from study.drilling.drill import find_drill
-from study.runner.run import PartyLink, execute
 from study.sweep.plan import load_plan
+from tests.plain import run_on_plain
 from vehicle.train_file import load_train, shipped_train
 
 FILES = sorted(studies.FOLDER.glob("*/*.toml"))
@@ -83,13 +83,12 @@ def test_headways_are_those_of_the_page() -> None:
     assert studies.block_text(studies.headways()) == block("headways")
 
 
-@pytest.mark.system
 def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
     """The paper's line in place of a day: the drills of the page, with its measures."""
     found: dict[Interlocking, tuple[int, float]] = {}
     for name in ("80_cable_cut_central", "80b_cable_cut_on_board"):
         scenario = load_scenario(find_drill(f"rtri/{name}"))
-        stops = execute(scenario, PartyLink.SIMULATED).tables.stops
+        stops = run_on_plain(scenario).tables.stops
         arrived = studies.arrived_within(stops, 36_001.0, 36_301.0)
         found[scenario.setup.operation.interlocking] = (
             arrived,
@@ -101,7 +100,6 @@ def test_a_cut_cable_stops_a_centre_and_nothing_on_board() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 @pytest.mark.timeout(3600)
 def test_all_figures_are_those_of_the_pages(tmp_path: Path) -> None:
     runs = studies.StudyRuns(tmp_path)

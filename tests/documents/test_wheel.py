@@ -41,7 +41,6 @@ def _branchline(venv: Path, folder: Path, *arguments: str) -> subprocess.Complet
     )
 
 
-@pytest.mark.system
 @pytest.mark.nightly
 def test_it_runs_the_weekday_in_a_bare_environment_without_compiling(tmp_path: Path) -> None:
     wheel = build_wheel(tmp_path, [WEEKDAY])

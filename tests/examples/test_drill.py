@@ -10,7 +10,6 @@ import pytest
 from tests.examples.conftest import recipe
 
 
-@pytest.mark.system
 @pytest.mark.parametrize(("was", "written", "code"), [("", "", 0), ("absent = true\n", "", 1)])
 def test_the_drill_of_the_recipe(main: Callable[..., Any], was: str, written: str, code: int) -> None:
     (text,) = re.findall(r"```toml\n(.*?)```", recipe("drill"), re.DOTALL)

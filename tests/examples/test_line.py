@@ -6,8 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from network.files.line_file import load_line
 from network.tag_layout import lay_tags, tags_toml
 
@@ -27,7 +25,6 @@ def test_its_tags_are_those_that_the_rule_prints() -> None:
     assert tags_toml(line, lay_tags(line)) in (HERE / "valley.toml").read_text("utf-8")
 
 
-@pytest.mark.system
 def test_it_runs_on_sumo_and_the_trains_pass_at_the_loop(main: Callable[..., Any], tmp_path: Path) -> None:
     for name in FILES:
         shutil.copy(HERE / name, tmp_path / name)

@@ -197,7 +197,6 @@ def test_without_its_row_no_scenario_can_choose_a_law(main: Callable[..., Any]) 
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_a_law_holds_half_the_limit(followed: Clone) -> None:
     figures = followed.run(HERE / "law/slow_day.toml")
     assert (figures["trains_arrived"], figures["invariants_broken"]) == (1, 0)
@@ -212,7 +211,6 @@ def widest_m(out: Path) -> float:
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_a_sensor_with_a_constant_bias_narrows_the_bounds_and_keeps_the_truth_in_them(
     followed: Clone, main: Callable[..., Any]
 ) -> None:
@@ -226,7 +224,6 @@ def test_a_sensor_with_a_constant_bias_narrows_the_bounds_and_keeps_the_truth_in
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_a_sensor_that_is_worse_than_it_says_is_found_out(followed: Clone) -> None:
     """0.8 m/s wrong where 0.06 is stated: the truth leaves the bounds, and in the end the rule refuses the reading."""
     figures = followed.run(HERE / "sensor/radar_knocked.toml")

@@ -36,8 +36,6 @@ from tests.host.far_parties import (
 from tests.host.test_parties import Script, specs
 from wayside.config import MANAGER_ID
 
-pytestmark = pytest.mark.system
-
 TOLD = CODEC.encode(DeviceTold())
 ROUNDS = 5000  # a telegram of another session comes within this many rounds
 

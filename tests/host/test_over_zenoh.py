@@ -28,8 +28,6 @@ from host.process import SECRETS_FILE, PartyProcess, environment, write_private
 from tests.nightly import others_nightly
 from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, SectionEntry, TerminalConfig
 
-pytestmark = pytest.mark.system
-
 MASTER: Final = b"m" * 32
 MANAGER: Final = ManagerConfig("line", MANAGER_ID, ("u1",), (SectionEntry("P", portal=True),), ())
 TERMINAL: Final = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))

@@ -34,7 +34,7 @@ def zenoh(directory: Path) -> Parties:
     return ZenohParties("line", specs(), directory)
 
 
-links = pytest.mark.parametrize("make", [local, pytest.param(zenoh, marks=pytest.mark.system)])
+links = pytest.mark.parametrize("make", [local, zenoh])
 
 
 class Script:
@@ -85,7 +85,6 @@ class Script:
         return self.log
 
 
-@pytest.mark.system
 def test_both_links_give_the_same_bytes(tmp_path: Path) -> None:
     with local(tmp_path) as one:
         expected = Script(one).run()

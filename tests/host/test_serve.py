@@ -15,7 +15,6 @@ MANAGER = ManagerConfig("line", MANAGER_ID, ("u1",), (SectionEntry("P", portal=T
 TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
 
 
-@pytest.mark.system
 @pytest.mark.parametrize(
     ("key", "value"),
     [("--party", "other"), ("--line", "other"), ("--key-file", "missing"), ("role", "block-manager")],
@@ -41,7 +40,6 @@ def test_the_process_refuses_what_does_not_fit(tmp_path: Path, key: str, value: 
     assert len(done.stderr.decode().strip().splitlines()) == 1
 
 
-@pytest.mark.system
 def test_the_process_of_a_device_starts_light() -> None:
     code = "import sys, host.serve, host.device; print(*sorted(sys.modules))"
     done = subprocess.run(

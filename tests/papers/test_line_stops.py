@@ -20,7 +20,6 @@ def test_right_is_within_a_step_and_a_half_of_the_grid() -> None:
     assert not is_right(learned, 1.2, 0.4 * OFFSET_STEP_MPS2)
 
 
-@pytest.mark.system
 @pytest.mark.nightly
 def test_a_fleet_that_has_learned_stops_at_its_marks() -> None:
     """The issue's measure: every stop within 0.5 m, 99 % within 0.35 m, and nothing broken."""

@@ -36,7 +36,6 @@ def test_manager_and_units_fail_together_in_stations_on_the_open_line_and_one_ea
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_all_rows_are_met_on_the_test_line() -> None:
     result = reproduce(Options(quick=True))
     assert [row.case for row in result.rows if not row.passed] == []

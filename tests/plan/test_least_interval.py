@@ -30,8 +30,8 @@ from simulation.setup import Setup
 from study.capacity.rules import Rules
 from study.feasibility.check import feasibility
 from study.measures.day_figures import day_figures
-from study.runner.run import CarrierKind, PartyLink, execute
 from tests.nightly import others_nightly
+from tests.plain import run_on_plain
 
 WEEKDAY = "karasuyama_weekday"
 
@@ -95,7 +95,7 @@ def test_a_timetable_at_the_least_interval_runs(tmp_path: Path) -> None:
     write_answer(out, setup, least_interval(setup), WEEKDAY)
     assert feasibility(load_scenario(str(out)).setup).good
     morning = part_of_day(load_scenario(str(out)), None, "09:00")
-    ran = execute(morning, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    ran = run_on_plain(morning)
     on_the_line = {stop.number for stop in ran.result.stops}
     assert len(on_the_line) > 8
     assert day_figures(ran.result, ran.scenario.setup).secondary_s < len(on_the_line)

@@ -24,7 +24,7 @@ from scenario.part_of_day import part_of_day
 from scenario.scenario import load_scenario
 from simulation.late_day import DrawnStay
 from study.feasibility.check import feasibility
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import run_on_plain
 
 
 def train(number: str, departs_s: int, legs: list[tuple[str, int, int, float, float]]) -> ReserveTrain:
@@ -152,7 +152,7 @@ def test_the_model_is_as_late_as_the_run(monkeypatch: pytest.MonkeyPatch) -> Non
     """Of single trains' delays on a morning when the first one comes 12 minutes late and others wait for it."""
     morning = part_of_day(load_scenario(LATE, 3), None, "09:00")
     setup = morning.setup
-    ran = execute(morning, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result
+    ran = run_on_plain(morning).result
     whole = reserve_problem(load_scenario(LATE).setup)
     (day,) = sampled_days(load_scenario(LATE).setup, [3])
     model = dict(

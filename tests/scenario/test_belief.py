@@ -12,7 +12,7 @@ from simulation.judge.checkers import Checker
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import draw_up
 from simulation.world.trains import Trains
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import run_on_plain
 
 RELEASED = Checker.RELEASE_BEHIND_REAR.value
 BASE = 'extends = "rtri_test_line"\nid = "s"\n'
@@ -59,7 +59,7 @@ def test_who_is_longer_than_its_unit_believes_is_judged_as_it_is(tmp_path: Path)
     """Its 40 m are still on the points when the unit has 1.2 m of it beyond them, and gives them back."""
     text = '[operation]\nrelease = "section"\n[belief.trains]\nK1 = "oda_scale_car"\n'
     (tmp_path / "s.toml").write_text(BASE + text, "utf-8")
-    run = execute(load_scenario(str(tmp_path / "s.toml")), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain(tmp_path / "s.toml")
     broken = {violation.subject for violation in run.result.violations if violation.checker == RELEASED}
     assert broken >= {"5 K1"}
 

@@ -9,7 +9,7 @@ import pytest
 
 from documents.files import tables_of
 from network.errors import InputError
-from network.files.schema_walk import resolved_node
+from network.files.schema_walk import json_schema_of, resolved_node
 from network.files.toml_input import CHOICES_CHARACTERS_MAX, one_of, validate
 from network.raw import is_row, is_table
 from scenario.key_examples import child_of, filled_example, with_examples
@@ -110,7 +110,7 @@ EXAMPLES = {kind.name: kind.example() for kind in FILES}
 
 def all_places() -> Iterator[tuple[FileKind, Path, tuple[str, ...]]]:
     for kind in FILES:
-        schema = kind.model.model_json_schema()
+        schema = json_schema_of(kind.model)
         seen: set[str] = set()
         for path, words in places(schema, schema, EXAMPLES[kind.name]):
             if str(path) not in seen:

@@ -15,6 +15,7 @@ from scenario.scenario import load_scenario
 from simulation.result import Ending
 from study.drilling.drill import find_drill
 from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import run_on_plain
 
 HOUR_S = 3600
 
@@ -194,8 +195,8 @@ def test_people_at_line_signals_have_the_whole_day() -> None:
 
 
 def test_what_runs_until_then_is_what_the_whole_day_has_until_then(turn_back: str) -> None:
-    whole = execute(load_scenario(turn_back), PartyLink.SIMULATED)
-    part = execute(part_of_day(load_scenario(turn_back), None, "05:50"), PartyLink.SIMULATED)
+    whole = run_on_plain(turn_back)
+    part = run_on_plain(part_of_day(load_scenario(turn_back), None, "05:50"))
     assert part.result.ended_because is Ending.PART_OVER and part.broken == ()
     end_s = part.summary["latest_end_s"]
     assert end_s == 5 * HOUR_S + 50 * 60 == part.result.end_step / 10

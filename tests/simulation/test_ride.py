@@ -17,7 +17,7 @@ from simulation.result import EnergyPhase
 from simulation.ride import ACCELERATES, BRAKES, COASTS, CRUISES, Ride, RideRow, cut_ride, joined_rides
 from simulation.world.energy_book import EnergyBook
 from study.drilling.drill import find_drill
-from study.runner.run import simulation_of
+from study.runner.run import CarrierKind, simulation_of
 from vehicle.record import dtype_of
 from vehicle.records import PLANT, PlantRow
 
@@ -114,7 +114,7 @@ def test_two_runs_of_one_hop_go_together() -> None:
 
 def uncounted(drill: str) -> tuple[float, float]:
     """How far time (s) and way (m) that were counted are from what the records say; the worst of a drill's runs."""
-    with simulation_of(load_scenario(drill).setup) as simulation:
+    with simulation_of(load_scenario(drill).setup, carrier=CarrierKind.PLAIN) as simulation:
         records = simulation.run().energy
     runs = [r for r in records if r.phase is EnergyPhase.RUNNING]
     assert runs

@@ -13,7 +13,8 @@ from onboard.notes import Intervention, SignSeen, StopImpossible
 from radio.noted import Noted
 from scenario.scenario import load_scenario
 from study.record.directory import LEARNED_FILE
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute, write_run
+from study.runner.run import FinishedRun, write_run
+from tests.plain import run_on_plain
 from tests.study.report.page import payload_of, table_in
 
 HEAD = 'extends = "rtri_test_line"\nid = "x"\nname = "x"\n'
@@ -30,7 +31,7 @@ set = { "stations.B.tracks.1.platform_to_km" = 1.05, "stations.B.tracks.1.mark_d
 def run_of(tmp_path: Path, text: str) -> FinishedRun:
     file = tmp_path / "x.toml"
     file.write_text(HEAD + text, encoding="utf-8")
-    return execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run_on_plain(file)
 
 
 T = TypeVar("T", bound=Noted)

@@ -7,17 +7,15 @@ import pytest
 from onboard.notes import PositionFault, TagRead
 from scenario.scenario import load_scenario
 from simulation.events import TagPassed
-from study.drilling.drill import run_drill
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
-
-pytestmark = pytest.mark.system
+from tests.plain import drill_on_plain, run_on_plain
 
 
 def _run(**sensors: object) -> FinishedRun:
     scenario = load_scenario("rtri_test_line", 1)
     setup = replace(scenario.setup, sensors=scenario.setup.sensors.model_copy(update=sensors))
-    return execute(replace(scenario, setup=setup), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run_on_plain(replace(scenario, setup=setup))
 
 
 def test_a_run_that_reads_bits_goes_as_one_that_reads_ids() -> None:
@@ -35,7 +33,7 @@ def test_a_run_whose_tags_cannot_be_read_stops_its_trains_and_breaks_nothing() -
 
 @pytest.mark.parametrize("line", others_nightly(["rtri", "karasuyama"], ["rtri"]))
 def test_in_noise_tags_are_missed_and_none_is_read_as_another(line: str) -> None:
-    drill = run_drill(f"{line}/45_tags_by_bits", PartyLink.SIMULATED)
+    drill = drill_on_plain(f"{line}/45_tags_by_bits")
     passed = [
         (e.t_s, e.event.unit_id, e.event.tag_id)
         for e in drill.run.result.journal.entries

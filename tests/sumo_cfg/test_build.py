@@ -19,8 +19,6 @@ from sumo_cfg.truth_map import read_net
 from sumo_cfg.writer import PlainXml, movements, write_plain
 
 pytest.importorskip("sumo", reason="netconvert comes with the extra `net`")
-pytestmark = pytest.mark.system
-
 Array = NDArray[np.float64]
 LINE_FILES = [shipped_line(name) for name in shipped_names("lines")]
 

@@ -49,7 +49,6 @@ def movements(net: Path) -> set[tuple[str, str]]:
     return {(c.attrib["from"], c.attrib["to"]) for c in root.iterfind("connection")}
 
 
-@pytest.mark.system
 def test_a_small_layout_becomes_a_net_and_comes_back(tmp_path: Path) -> None:
     layout, net = small(tmp_path), tmp_path / "small.net.xml"
     write_layout_net(layout, net)
@@ -57,7 +56,6 @@ def test_a_small_layout_becomes_a_net_and_comes_back(tmp_path: Path) -> None:
     assert shape_of(read_sumo_net(net)) == shape_of(layout)
 
 
-@pytest.mark.system
 def test_no_train_runs_from_leg_to_leg(tmp_path: Path) -> None:
     layout, net = small(tmp_path), tmp_path / "small.net.xml"
     write_layout_net(layout, net)
@@ -77,7 +75,6 @@ def test_no_train_runs_from_leg_to_leg(tmp_path: Path) -> None:
     }
 
 
-@pytest.mark.system
 @pytest.mark.skipif(not SHARED.is_file(), reason="OSM cut (../shared/data/osm) absent")
 def test_the_cut_of_bad_hersfeld_becomes_a_net_with_its_points(tmp_path: Path) -> None:
     layout, net = read_osm(SHARED), tmp_path / "cut.net.xml"

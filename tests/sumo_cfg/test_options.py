@@ -15,8 +15,6 @@ from sumo_cfg.writer import Positions, write_plain
 
 pytest.importorskip("sumo", reason="netconvert comes with the extra `net`")
 libsumo = pytest.importorskip("libsumo")
-pytestmark = pytest.mark.system
-
 TRAIN_LENGTH_M = 18.0
 NAMES = (f"train{number}" for number in count())
 

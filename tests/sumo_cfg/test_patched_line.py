@@ -17,8 +17,6 @@ from sumo_cfg.writer import edge_id
 
 pytest.importorskip("sumo", reason="netconvert comes with the extra `net`")
 libsumo = pytest.importorskip("libsumo")
-pytestmark = pytest.mark.system
-
 SPEED_MPS = 50.0
 START_M = 100.0  # in from the end of the first track
 

@@ -96,7 +96,6 @@ def sumo_home() -> Path:
     return Path(spec.submodule_search_locations[0])
 
 
-@pytest.mark.system
 def test_the_net_can_be_edited(net: Path, tmp_path: Path) -> None:
     """netconvert reads it as netedit does, which wants a display, without a warning; what it writes has its track."""
     home, again = sumo_home(), tmp_path / "again.net.xml"
@@ -112,7 +111,6 @@ def test_the_net_can_be_edited(net: Path, tmp_path: Path) -> None:
     assert edges[0] - {name for name in edges[0] if name.startswith(":")} <= edges[1]
 
 
-@pytest.mark.system
 def test_plain_sumo_runs_the_road(roads: tuple[RoadAt, ...], net: Path, tmp_path: Path) -> None:
     """The signals' own programs let vehicles pass; nothing of ours runs here."""
     vehicles = [

@@ -12,6 +12,7 @@ from scenario.scenario import load_scenario
 from study.drilling.drill import find_drill, shipped_drills
 from study.drilling.verdict import judge
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from tests.plain import carrier_of
 from tests.system import (  # noqa: F401 - they enter themselves
     switches_crossings,
     switches_on_board,
@@ -44,8 +45,7 @@ def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[FinishedRun
         file = FOLDER / f"{scenario}.toml"
         name = str(file) if file.is_file() else scenario
         loaded = load_scenario(find_drill(name) if name in shipped_drills() else name)
-        usual = CarrierKind.SUMO if loaded.setup.roads else CarrierKind.PLAIN
-        done = execute(loaded, PartyLink.SIMULATED, carrier=carrier or usual)
+        done = execute(loaded, PartyLink.SIMULATED, carrier=carrier or carrier_of(loaded))
         verdicts = judge(loaded.setup.script.expectations, done.result, done.tables)
         return done, {v.checker for v in done.result.violations} | {v.text for v in verdicts if not v.passed}
 

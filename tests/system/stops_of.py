@@ -7,14 +7,14 @@ from pathlib import Path
 import onboard
 from onboard.notes import SignSeen
 from scenario.scenario import load_scenario
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import run_on_plain
 
 SLOW_MPS, FAST_MPS, BRAKING_MPS2 = 1.0, 4.0, 0.3  # the last part of a stop, in which sightings have settled
 
 
 def main(name: str, seed: int) -> None:
     """Run and print."""
-    run = execute(load_scenario(name, seed), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain(load_scenario(name, seed))
     went = run.tables.trajectory.filter(
         (run.tables.trajectory["speed_mps"] > SLOW_MPS)
         & (run.tables.trajectory["speed_mps"] < FAST_MPS)

@@ -25,7 +25,8 @@ from study.collect.battery import windows_of
 from study.drilling.drill import find_drill
 from study.feasibility.check import feasibility
 from study.feasibility.finding import FindingKind
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from study.runner.run import FinishedRun
+from tests.plain import run_on_plain
 
 KWH = 3.6e6
 FIRST = ("V4", "333M", "336M")  # down and back: the first round after the charger has failed
@@ -38,7 +39,7 @@ def scenario(name: str) -> Scenario:
 
 @cache
 def run(name: str) -> FinishedRun:
-    return execute(scenario(name), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run_on_plain(scenario(name))
 
 
 def day() -> FinishedRun:
@@ -178,7 +179,7 @@ def test_with_the_charger_mended_it_goes_on(tmp_path: Path) -> None:
     fault = '[[fault]]\nkind = "charger_dead"\ntarget = "KRS"\nstart = "14:00:00"\nduration_s = 4500.0\n'
     path = tmp_path / "mended.toml"
     path.write_text(f'extends = "karasuyama_battery"\nid = "mended"\nname = "mended"\n{fault}', "utf-8")
-    mended = execute(load_scenario(str(path)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    mended = run_on_plain(path)
     able = [entry for entry in mended.result.journal.entries if isinstance(entry.event, AbleToLeave)]
     left = mended.tables.stops.filter(pl.col("train") == "333M", pl.col("station") == "HSK")["departure_s"][0]
     mended_s = 14 * 3600 + 4500.0
@@ -203,7 +204,7 @@ def test_ten_minutes_are_told_alone_and_not_judged() -> None:
 def test_without_its_reckoning_v4_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the drill guards, switched off by name: then 333M departs, and the drill would fail."""
     monkeypatch.setattr(ChargeWatch, "why_not", lambda _self, _mission, _at: None)
-    loose = execute(scenario("karasuyama/60_charger_dead"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    loose = run_on_plain(scenario("karasuyama/60_charger_dead"))
     stops = loose.tables.stops.filter(pl.col("train") == "333M", pl.col("station") == "HSK")
     assert stops["departure_s"][0] is not None
 

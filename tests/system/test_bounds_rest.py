@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from onboard.notes import TagRead
-from scenario.scenario import load_scenario
 from simulation.judge.checkers import Checkers
 from simulation.world.premises import FalsePositions
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from study.runner.run import FinishedRun
+from tests.plain import run_on_plain
 from tests.system.switchboard import SWITCHES
 
 BEGINS_S = 36_005.0  # T1 departs at 10:00:00
@@ -44,7 +44,7 @@ def run(tmp_path: Path, factor: float) -> FinishedRun:
         'extends = "rtri_test_line"\nid = "scale"\n'
         f'[[fault]]\nkind = "scale"\ntarget = "K1"\nfactor = {factor}\nstart = "10:00:05"\nduration_s = {LASTS_S}\n'
     )
-    return execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run_on_plain(file)
 
 
 def test_they_rest_from_the_fault_to_the_first_tag_after_it(judged_s: list[float], tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ from study.measures.wait_text import text_of
 from study.measures.waits import CABLE_CUT, waits_of
 from study.record.wait import Cause
 from study.runner.outcome import broken_rules, unfinished
-from study.runner.run import simulation_of
+from study.runner.run import CarrierKind, simulation_of
 from tests.nightly import A_FIFTH
 from wayside.said import Granted
 
@@ -50,7 +50,9 @@ def run(interlocking: Interlocking, *cuts: tuple[str, float, float, float]) -> R
         ScriptedFault(CutCable(target=stretch, along_share=along), Trigger(at_s=TEN_S + at_s), for_s)
         for stretch, along, at_s, for_s in cuts
     )
-    with simulation_of(replace(two_trains(interlocking), script=Script(failures))) as simulation:
+    with simulation_of(
+        replace(two_trains(interlocking), script=Script(failures)), carrier=CarrierKind.PLAIN
+    ) as simulation:
         return simulation.run()
 
 

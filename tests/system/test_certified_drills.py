@@ -14,8 +14,9 @@ from simulation.result import Ending
 from study.drilling.drill import find_drill, shipped_drills
 from study.drilling.verdict import judge
 from study.runner.outcome import unfinished
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
+from tests.plain import run_on_plain
 from tests.system.test_sidings import certified, changes_nothing
 from wayside.said import HeldBack
 
@@ -44,7 +45,7 @@ FAILURES: Final = {
 
 def day(scenario: Scenario) -> FinishedRun:
     """The day on plain track."""
-    return execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run_on_plain(scenario)
 
 
 def unmet(run: FinishedRun) -> list[str]:

@@ -5,7 +5,7 @@ import pytest
 from scenario.scenario import Scenario, load_scenario
 from simulation.result import PARTS, REJECTED, EnergyPhase, RunResult
 from study.collect.energy import StockMake, energy_tables
-from study.runner.run import simulation_of
+from study.runner.run import CarrierKind, simulation_of
 from tests.conftest import turn_back_in
 from tests.nightly import others_nightly
 from tests.system.energy_apart import Balance, Part, balances, figures_of
@@ -22,7 +22,7 @@ def scenario(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
 @pytest.fixture(scope="module")
 def day(scenario: Scenario) -> RunResult:
-    with simulation_of(scenario.setup) as simulation:
+    with simulation_of(scenario.setup, carrier=CarrierKind.PLAIN) as simulation:
         return simulation.run()
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from documents.files import tables_of
 from network.files import names
+from network.files.schema_walk import json_schema_of
 from network.files.shipped import shipped_line, shipped_timetable
 from scenario.schemas import FILES
 from tests.nightly import others_nightly
@@ -76,7 +77,7 @@ def test_every_key_that_names_a_thing_is_an_identifier() -> None:
     found = {
         (f"{kind.model.__name__} {heading}", row[0].strip("`")): row[1]
         for kind in FILES
-        for heading, _, rows in tables_of(kind.model.model_json_schema())
+        for heading, _, rows in tables_of(json_schema_of(kind.model))
         for row in rows
         if row[0].strip("`") in ("id", "number", "stock", "terminal")
         and row[1] != "table"

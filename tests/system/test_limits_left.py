@@ -6,8 +6,7 @@ import polars as pl
 import pytest
 
 from onboard.notes import Intervention
-from scenario.scenario import load_scenario
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import run_on_plain
 from tests.system.switchboard import FOLDER, TRAIN_M
 from tests.system.switches_compiled import run_with
 
@@ -16,7 +15,7 @@ FROM_M, TO_M, LIMIT_MPS = 2900.0, 3000.0, 5.0 / 3.6
 
 
 def test_it_keeps_the_limit_until_its_rear_has_truly_left_it() -> None:
-    run = execute(load_scenario(BLIND), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain(BLIND)
     assert run.broken == ()
     assert not any(isinstance(entry.event, Intervention) for entry in run.result.journal.entries)
     front, way = pl.col("kilometrage_m"), run.tables.trajectory

@@ -15,7 +15,7 @@ from simulation.faults.script import ActKind, Script
 from simulation.result import Ending, RunResult
 from study.drilling.drill import find_drill
 from study.runner.outcome import broken_rules, unfinished
-from study.runner.run import simulation_of
+from study.runner.run import CarrierKind, simulation_of
 from tests.nightly import others_nightly
 
 CUT_S: Final = 36_012.0  # 12 s after the departure
@@ -30,7 +30,7 @@ def run(drill: str, back_s: float) -> RunResult:
     script = setup.script
     cut = replace(script.faults[0], duration_s=back_s - CUT_S)
     moved = Script((cut, *script.faults[1:]), script.acts, script.expectations)
-    with simulation_of(replace(setup, script=moved)) as simulation:
+    with simulation_of(replace(setup, script=moved), carrier=CarrierKind.PLAIN) as simulation:
         return simulation.run()
 
 

@@ -16,7 +16,8 @@ from study.collect.stops import with_passings
 from study.feasibility.check import feasibility
 from study.feasibility.finding import FindingKind, Severity
 from study.record.spans import rows_by_span
-from study.runner.run import FinishedRun, PartyLink, execute
+from study.runner.run import FinishedRun
+from tests.plain import run_on_plain
 
 # 1D passes Ogane, where 2U stands for it; 2U arrives there only shortly before where it does so `late`.
 TIMETABLE = """
@@ -74,7 +75,7 @@ def run_of(
         TIMETABLE.format(leaves=leaves, arrives=arrives, passes=passes), "utf-8"
     )
     (folder / "scenario.toml").write_text(SCENARIO, "utf-8")
-    return execute(load_scenario(str(folder / "scenario.toml")), PartyLink.SIMULATED)
+    return run_on_plain(folder / "scenario.toml")
 
 
 def rows(run: FinishedRun, train: str) -> dict[str, dict[str, float | None]]:
@@ -137,7 +138,7 @@ def test_who_serves_nobody_needs_no_dwell(tmp_path: Path) -> None:
             text.format(leaves="07:07:10", arrives="07:18", passes="07:17:30"), "utf-8"
         )
         (folder / "scenario.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
-        run = execute(load_scenario(str(folder / "scenario.toml")), PartyLink.SIMULATED)
+        run = run_on_plain(folder / "scenario.toml")
         assert run.broken == ()
         stood = rows(run, "2U")["OGN"]
         stays_s[name] = stood["departure_s"] - stood["arrival_s"]  # type: ignore[operator]
@@ -194,7 +195,7 @@ def through(
 def test_a_train_runs_through_a_station_without_points_and_keeps_an_even_speed(
     tmp_path: Path, approach: bool
 ) -> None:
-    run = execute(load_scenario(str(through(tmp_path, approach=approach))), PartyLink.SIMULATED)
+    run = run_on_plain(through(tmp_path, approach=approach))
     assert run.broken == ()
     assert slowest_mps(run, "1D", 1_000.0, 12_000.0) > 10.0
     passed = run.tables.stops.filter(pl.col("kind") == "pass")

@@ -16,8 +16,9 @@ from study.measures.register_holds import section_holds
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
 from study.record.wait import Cause
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
+from tests.plain import drill_on_plain, run_on_plain
 from wayside.said import Certified, HeldBack, NoOrderKnown
 
 WITHOUT: Final = ("01_one_siding", "02_two_sidings", "03_two_loops")
@@ -36,7 +37,7 @@ def test_the_drills_come_in_pairs() -> None:
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", WITHOUT)
 def test_without_the_certificate_nobody_gets_on(name: str) -> None:
-    drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
+    drill = drill_on_plain(f"sidings/{name}")
     assert drill.passed
     assert drill.run.result.ended_because is Ending.STALLED
     assert not any(isinstance(e.event, Certified | HeldBack) for e in drill.run.result.journal.entries)
@@ -44,7 +45,7 @@ def test_without_the_certificate_nobody_gets_on(name: str) -> None:
 
 @pytest.mark.parametrize("name", others_nightly(WITH, ["02b_two_sidings_certified"]))
 def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str) -> None:
-    drill = run_drill(f"sidings/{name}", PartyLink.SIMULATED)
+    drill = drill_on_plain(f"sidings/{name}")
     assert [f"{v.text}: {v.happened}" for v in drill.verdicts if not v.passed] == []
     assert drill.run.broken == ()
     held = [e.event for e in drill.run.result.journal.entries if isinstance(e.event, HeldBack)]
@@ -61,10 +62,7 @@ def test_with_it_all_arrive_and_it_is_told_why_each_waited(name: str) -> None:
 @pytest.mark.parametrize("name", WITH)
 def test_each_drill_fails_with_the_certificate_switched_off(name: str) -> None:
     scenario = certified(load_scenario(find_drill(f"sidings/{name}")), on=False)
-    assert (
-        execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result.ended_because
-        is Ending.STALLED
-    )
+    assert run_on_plain(scenario).result.ended_because is Ending.STALLED
 
 
 @pytest.mark.nightly
@@ -87,7 +85,7 @@ def kept_to_plan(name: str) -> tuple[FinishedRun, FinishedRun]:
     scenario = load_scenario(name)
 
     def day(on: bool) -> FinishedRun:
-        return execute(certified(scenario, on=on), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+        return run_on_plain(certified(scenario, on=on))
 
     return day(on=False), day(on=True)
 

@@ -10,9 +10,10 @@ from simulation.events import CrossingEntered, RoadGuarded
 from simulation.faults.script import Act, ActKind
 from simulation.people import People
 from simulation.staff import Staff
-from study.drilling.drill import find_drill, run_drill
-from study.runner.run import FinishedRun, PartyLink
+from study.drilling.drill import find_drill
+from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
+from tests.plain import drill_on_plain
 from wayside.crossing_said import CrossingOpens
 from wayside.said import ConfirmedByHand
 
@@ -63,7 +64,7 @@ def fails(tmp_path: Path) -> Fails:
     def run(what: str, people: str, limits: str = "") -> FinishedRun:
         file = tmp_path / "staff.toml"
         file.write_text(f"{HEAD}people = {{ {people} }}\n{limits}{FAILS[what][0]}", "utf-8")
-        return run_drill(str(file), PartyLink.SIMULATED).run
+        return drill_on_plain(file).run
 
     return run
 
@@ -125,7 +126,7 @@ def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> 
             '[[patch.act.add]]\nkind = "reenter_assisted"\nstart = "10:21:30"\n',
             "utf-8",
         )
-        run = run_drill(str(file), PartyLink.SIMULATED).run
+        run = drill_on_plain(file).run
         arrives[react] = not run.result.unfinished
         said = [act.person for act in _acts(run) if act.kind is ActKind.UNBAR_UNIT]
         assert sorted(set(said)) == ["controller", "station staff"]
@@ -144,7 +145,7 @@ def test_what_a_mad_unit_outside_has_been_given_is_had_back(tmp_path: Path) -> N
             '[[fault]]\nkind = "false_claims"\ntarget = "K1"\nsection = "7"\nstart = "10:04:30"\nduration_s = 30.0\n',
             "utf-8",
         )
-        run = run_drill(str(file), PartyLink.SIMULATED).run
+        run = drill_on_plain(file).run
         arrives[react] = not run.result.unfinished
         assert run.result.collisions == ()
         kinds = {act.kind for act in _acts(run)}
@@ -167,7 +168,7 @@ def test_points_are_wound_for_a_train_that_has_slid_just_onto_them(
         '[[patch.fault.add]]\nkind = "cut"\ntarget = "K1 -> B-W"\nstart = "10:00:41"\nduration_s = 60.0\n',
         "utf-8",
     )
-    run = run_drill(str(file), PartyLink.SIMULATED).run
+    run = drill_on_plain(file).run
     assert bool(run.result.trains_arrived) is asks
     by_hand = [act for act in _acts(run) if act.kind is ActKind.REPAIR_POINTS]
     assert [act.position for act in by_hand] == (["normal"] if asks else [])
@@ -187,7 +188,7 @@ def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Pat
         f"people = {{ react = true, entry_s = 600.0, sigma = 0.0 }}\n{bars}",
         "utf-8",
     )
-    run = run_drill(str(file), PartyLink.SIMULATED).run
+    run = drill_on_plain(file).run
     said = [act for act in _acts(run) if act.kind in (ActKind.CONFIRM_OUTSIDE, ActKind.CONFIRM_HOLDING)]
     assert {(act.kind, act.target, act.sections) for act in said} == {
         (ActKind.CONFIRM_HOLDING, "K2", ("PW",))
@@ -207,7 +208,7 @@ def _wrong_word(tmp_path: Path, kind: ActKind) -> FinishedRun:
         'person = "trackman"\n',
         "utf-8",
     )
-    return run_drill(str(file), PartyLink.SIMULATED).run
+    return drill_on_plain(file).run
 
 
 @pytest.mark.parametrize("kind", [ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION])
@@ -235,7 +236,7 @@ def test_nobody_speaks_for_a_unit_that_has_answered_what_one_person_said(tmp_pat
         'person = "trackman"\n',
         "utf-8",
     )
-    run = run_drill(str(file), PartyLink.SIMULATED).run
+    run = drill_on_plain(file).run
     assert [act.person for act in _acts(run)] == ["trackman"]
     assert not run.result.unfinished
 
@@ -255,7 +256,7 @@ def _spoken_for(tmp_path: Path, timetable: str, *off: tuple[str, str, float]) ->
         f"people = {{ react = true, {PEOPLE_WITH_A_SLOW_CREW} }}\n{faults}",
         "utf-8",
     )
-    run = run_drill(str(file), PartyLink.SIMULATED).run
+    run = drill_on_plain(file).run
     assert not run.result.unfinished
     assert not run.result.violations
     acts = [act for act in _acts(run) if act.kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION)]
@@ -298,7 +299,7 @@ def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_a
         ),
         "utf-8",
     )
-    run = run_drill(str(file), PartyLink.SIMULATED).run
+    run = drill_on_plain(file).run
     by_hand = [
         entry.event for entry in run.result.journal.entries if isinstance(entry.event, ConfirmedByHand)
     ]
@@ -318,7 +319,7 @@ def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
         '[[fault]]\nkind = "cut"\ntarget = "K1 -> C1"\nstart = "10:00:45"\nduration_s = 900.0\n',
         "utf-8",
     )
-    run = run_drill(str(file), PartyLink.SIMULATED).run
+    run = drill_on_plain(file).run
     assert {act.kind for act in _acts(run)} == {ActKind.FREE_ROAD}
     struck_off = [
         e.event.struck_off for e in run.result.journal.entries if isinstance(e.event, CrossingOpens)

@@ -19,7 +19,7 @@ from study.measures.register_holds import section_holds
 from study.measures.wait_text import text_of
 from study.measures.waits import waits_of
 from study.record.wait import AwaitedRequest, Cause, Wait
-from study.runner.run import simulation_of
+from study.runner.run import CarrierKind, simulation_of
 from study.wording.phrase import names_of
 from tests.nightly import others_nightly
 
@@ -98,7 +98,7 @@ def observed(name: str) -> Observed:
     """Run a scenario or drill, and look at every unit whenever something has happened."""
     scenario = load_scenario(find_drill(name) if "/" in name else name)
     shown: list[tuple[float, Waiting]] = []
-    with simulation_of(scenario.setup) as simulation:
+    with simulation_of(scenario.setup, carrier=CarrierKind.PLAIN) as simulation:
         simulation.begin()
         while simulation.settle() is None:
             shown += [(simulation.now_s, waiting) for waiting in simulation._duties.waiting()]

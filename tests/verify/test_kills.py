@@ -26,8 +26,6 @@ from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 from tests.nightly import others_nightly
 
-pytestmark = pytest.mark.system
-
 ROLES: Final = {"block-manager": "block manager", "B-W": "point terminal B-W", "K1": "on-board unit K1"}
 TWO_TRAINS: Final = """
 extends = "rtri_test_line"

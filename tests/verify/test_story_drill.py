@@ -7,17 +7,15 @@ from typing import Final
 import pytest
 
 from scenario.scenario import load_scenario
-from study.drilling.drill import run_drill
 from study.record.directory import reserved
-from study.runner.run import PartyLink, end_room_bytes, execute, fill_run
+from study.runner.run import end_room_bytes, fill_run
 from tests.nightly import others_nightly
+from tests.plain import drill_on_plain, run_on_plain
 from verify.evidence import story_drill
 from verify.evidence.story_drill import DAY, DRILL, LINE, TIMES, UntoldError, broken_by, told_on_line
 from verify.explore import ExploredSpace, explored
 from verify.explored_line import UNITS, Budgets, ExploredLine
 from verify.restored import restored
-
-pytestmark = pytest.mark.system
 
 COLLIDES: Final = ("sign-off-frees", Budgets(power=1), False, "collision from behind of u1")
 FALLS_OUT: Final = (
@@ -41,7 +39,7 @@ def test_a_former_collision_falls_out_on_the_line_and_not_of_the_machines_as_the
         told = told_on_line(found_with(name, budgets, collisions_alone=collisions_alone), tmp_path / "story")
     assert any(text.startswith(breaks) for text in told.broken), told.broken
     assert broken_by(told.drill) == ()
-    assert all(v.passed for v in run_drill(str(told.drill), PartyLink.SIMULATED).verdicts)
+    assert all(v.passed for v in drill_on_plain(told.drill).verdicts)
 
 
 def test_what_the_line_does_not_break_is_no_drill(tmp_path: Path) -> None:
@@ -60,7 +58,7 @@ def test_on_the_day_of_no_trouble_everybody_comes_and_goes(first: str, tmp_path:
     copytree(str(LINE), folder)
     (folder / TIMES).write_text(story_drill._times(first, 300), "utf-8")
     scenario = load_scenario(str(folder / DAY))
-    run = execute(scenario, PartyLink.SIMULATED)
+    run = run_on_plain(scenario)
     assert broken_by(folder / DAY) == ()
     assert run.summary["trains_arrived"] == run.summary["trains_planned"] == 4
     with reserved(tmp_path / "run") as place:

@@ -295,7 +295,9 @@ def _troubles(told: Sequence[Following], *, late: bool) -> Iterator[_Trouble]:
         if who == UNUSED or found.telegram >= 0:
             continue
         if found.trouble in (UnwishedFor.POINTS, UnwishedFor.SENSOR, UnwishedFor.SET_BACK):
-            raise UntoldError(f"event {number + 1} is nothing that a drill can time: {found.who} {found.what}")
+            raise UntoldError(
+                f"event {number + 1} is nothing that a drill can time: {found.who} {found.what}"
+            )
         if found.what == POWER_FAILS:
             own = [k for k in range(number, len(told)) if _party(told[k].who) == who]
             back = next((k for k in own if told[k].what == POWER_BACK), None)

@@ -50,7 +50,6 @@ def test_without_its_file_the_table_does_not_know_it() -> None:
         run_drill(DRILL, PartyLink.SIMULATED)
 
 
-@pytest.mark.system
 def test_with_half_the_force_a_train_accelerates_half_as_fast_and_arrives_later(
     listed: type[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,7 +16,6 @@ from simulation.carriers.touching import OVERLAP_M, Look
 from tests.simulation.carriers.encounters import LINE, STEP_S, Came, Going, carried, going, meetings, net_in
 
 pytest.importorskip("sumo", reason="netconvert comes with the extra `net`")
-pytestmark = pytest.mark.system
 DOWN, UP = Direction.DOWN, Direction.UP
 Carry = Callable[..., Came]
 

@@ -22,8 +22,6 @@ from tests.simulation.carriers.roads import (
     road_of,
 )
 
-pytestmark = pytest.mark.system
-
 WAY = ["1", "P2.stem", "P2.normal", "3", "P5.normal", "P5.stem", "6", "P7.stem", "P7.normal", "8"]
 STEP_S = 0.1
 

@@ -43,7 +43,6 @@ def display() -> Iterator[str]:
     server.wait()
 
 
-@pytest.mark.system
 @needs_screen
 @pytest.mark.parametrize("scenario", others_nightly(["rtri_test_line", "turn_back"], ["rtri_test_line"]))
 def test_a_run_that_is_watched_is_the_same_run(

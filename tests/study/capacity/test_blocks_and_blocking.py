@@ -12,7 +12,8 @@ from study.capacity.blocking_table import read_blocking
 from study.drilling.drill import find_drill
 from study.measures import register_holds
 from study.measures.visits import SectionVisit
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from study.runner.run import FinishedRun
+from tests.plain import run_on_plain
 from wayside import said
 
 NEAR_S = 0.11  # a step, and rounding
@@ -77,7 +78,7 @@ def _against_the_journal(run: FinishedRun) -> list[str]:
 
 @pytest.fixture(scope="module")
 def ran() -> FinishedRun:
-    return execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run_on_plain("rtri_test_line")
 
 
 def test_the_paper_s_run_has_one_occupation(ran: FinishedRun) -> None:
@@ -87,13 +88,13 @@ def test_the_paper_s_run_has_one_occupation(ran: FinishedRun) -> None:
 @pytest.mark.parametrize("drill", ["rtri/03_block_held", "rtri/09_manager_power", "rtri/20_route_given_back"])
 def test_a_drill_has_one_occupation(drill: str) -> None:
     scenario = load_scenario(str(find_drill(drill)))
-    assert differences(execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)) == []
+    assert differences(run_on_plain(scenario)) == []
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", shipped_scenarios())
 def test_a_shipped_day_has_one_occupation(name: str) -> None:
-    assert differences(execute(load_scenario(name), PartyLink.SIMULATED)) == []
+    assert differences(run_on_plain(name)) == []
 
 
 def test_a_train_named_by_where_it_was_seen_last_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,4 +108,4 @@ def test_a_train_named_by_where_it_was_seen_last_is_found_out(monkeypatch: pytes
         return names[-2] if len(names) > 1 else ""
 
     monkeypatch.setattr(register_holds, "_number", seen_last)
-    assert differences(execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN))
+    assert differences(run_on_plain(scenario))

@@ -31,8 +31,8 @@ from study.capacity.theory import occupations
 from study.capacity.two_trains import two_trains, undisturbed_setup
 from study.evaluate import headways_driven
 from study.evaluate.headways_driven import LATE_S, HeadwayDrives
-from study.runner.run import CarrierKind, PartyLink, execute
 from tests.nightly import others_nightly
+from tests.plain import run_on_plain
 from tests.study.capacity.by_hand import occupations_of_run
 
 LEAD_S = 0.5  # a unit that asks no sooner than it must has no time to ask again
@@ -62,7 +62,7 @@ class Pair:
     def run(self, apart_s: int) -> tuple[Setup, RunResult]:
         setup = self.setup(apart_s)
         scenario = replace(self.scenario, setup=setup)
-        return setup, execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result
+        return setup, run_on_plain(scenario).result
 
     def times_s(self, result: RunResult, apart_s: int) -> list[float]:
         """Arrivals and departures of the second train, against its plan."""

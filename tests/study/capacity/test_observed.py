@@ -20,7 +20,7 @@ from study.capacity.theory import occupations
 from study.drilling.drill import find_drill, shipped_drills
 from study.measures import register_holds as module
 from study.measures.register_holds import Throwing
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import run_on_plain
 from tests.study.capacity.by_hand import occupations_of_run
 
 times = st.one_of(st.floats(0.0, 1000.0), st.sampled_from([float("inf"), float("-inf")]))
@@ -57,7 +57,7 @@ def test_any_moments_make_a_whole(
 @pytest.fixture(scope="module")
 def ran() -> tuple[RunResult, Setup]:
     scenario = load_scenario("rtri_test_line")
-    return execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result, scenario.setup
+    return run_on_plain(scenario).result, scenario.setup
 
 
 def test_the_paper_s_run_is_as_theory_has_it(ran: tuple[RunResult, Setup]) -> None:
@@ -93,7 +93,7 @@ def test_what_is_waited_for_is_no_part(drill: str, waits: set[str], monkeypatch:
     Switched off, a request counts from when it was first sent, and there are conflicts.
     """
     scenario = load_scenario(str(find_drill(drill)))
-    result = execute(scenario, PartyLink.SIMULATED, carrier=CarrierKind.PLAIN).result
+    result = run_on_plain(scenario).result
     found = occupations_of_run(result, scenario.setup)
     assert conflicts_of(found) == ()
     assert {one.number for one in found if one.waited_s > 1.0} == waits
@@ -105,7 +105,7 @@ def test_what_is_waited_for_is_no_part(drill: str, waits: set[str], monkeypatch:
 def test_theory_names_the_train_that_waits() -> None:
     """On the Isumi line 6D asks for its track before 5D has left it: theory's one conflict, and the run's one wait."""
     scenario = load_scenario("isumi_weekday")
-    found = occupations_of_run(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
+    found = occupations_of_run(run_on_plain(scenario).result, scenario.setup)
     assert {one.number for one in found if one.waited_s > 0.0} == {"6D"}
     assert {c.second.number for c in conflicts_of(occupations(scenario.setup))} == {"6D"}
 
@@ -120,9 +120,7 @@ def test_what_overlaps_is_seen() -> None:
 @pytest.mark.parametrize("name", shipped_scenarios())
 def test_no_shipped_day_has_a_section_twice(name: str) -> None:
     scenario = load_scenario(name)
-    assert (
-        conflicts_of(occupations_of_run(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)) == ()
-    )
+    assert conflicts_of(occupations_of_run(run_on_plain(scenario).result, scenario.setup)) == ()
 
 
 @pytest.mark.nightly
@@ -130,6 +128,6 @@ def test_no_shipped_day_has_a_section_twice(name: str) -> None:
 def test_a_drill_whatever_it_breaks_has_blocking_times(name: str) -> None:
     """Runs cut short, restarts, sections freed by hand: sound occupations, and none of two stocks at once."""
     scenario = load_scenario(str(find_drill(name)))
-    found = occupations_of_run(execute(scenario, PartyLink.SIMULATED).result, scenario.setup)
+    found = occupations_of_run(run_on_plain(scenario).result, scenario.setup)
     assert bool(found) is (scenario.setup.line_signals is None)  # by those nobody holds anything
     assert conflicts_of(found) == ()

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from scenario.scenario import load_scenario
 from study.compare.comparison import RunComparison, compare, verdict_of
 from study.compare.measures import Measure
 from study.compare.meets import MeetFate, meets_of
 from study.compare.side import read_sides
-from study.runner.run import CarrierKind, PartyLink, execute, write_run
+from study.runner.run import write_run
+from tests.plain import run_on_plain
 from tests.study.compare.pairs import (
     ROUND_TRIP_PAIRS,
     WEEKDAY_PAIRS,
@@ -27,7 +27,6 @@ from tests.study.compare.pairs import (
     trains_directly,
 )
 
-pytestmark = pytest.mark.system
 OVER_S = 1.0
 IN_EVERY_RUN = ("slower_points", "one_more")  # what is not as it was, and what was not there
 MADE = Callable[[str, str], Path]
@@ -41,7 +40,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> MADE:
     def make(base: str, text: str) -> Path:
         folder = tmp_path_factory.mktemp("pair")
         file = scenario(folder, base, "changed", text) if text else base
-        run = execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+        run = run_on_plain(file)
         return write_run(run, folder / "run").parent
 
     return make
@@ -147,7 +146,7 @@ def test_a_pair_of_round_trips(made: MADE, name: str) -> None:
 
 def test_a_run_and_itself_again_differ_in_nothing(made: MADE, tmp_path: Path) -> None:
     base = made("karasuyama_round_trip", "")
-    run = execute(load_scenario("karasuyama_round_trip"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain("karasuyama_round_trip")
     again = write_run(run, tmp_path / "again").parent
     pair = check_against_the_tables(base, again)
     assert pair.nothing_differs and pair.same_inputs

@@ -16,6 +16,7 @@ from simulation.faults.script import Property
 from study.drilling.drill import Drill, fill_drill, find_drill, run_drill, sentence_of, shipped_drills
 from study.record.directory import reserved
 from study.runner.run import PartyLink, terminals_of
+from tests.plain import drill_on_plain
 from tests.study.report.page import payload_of
 
 RTRI = [name for name in shipped_drills() if name.startswith("rtri/")]
@@ -37,7 +38,6 @@ def test_a_shipped_drill_demands_safety_and_arrival_besides_its_own(name: str) -
     assert sentence_of(name) == scenario.name
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("name", at_night(RTRI, EVERY_RUN))
 def test_every_drill_on_the_test_line_is_met(name: str) -> None:
     drill = run_drill(name, PartyLink.SIMULATED)
@@ -68,7 +68,6 @@ OF_WHOLE_ROUTES = {
 }
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("name", at_night([*RTRI, *KARASUYAMA], EVERY_RUN[::2]))
 def test_every_drill_is_met_where_sections_are_given_back_one_by_one(name: str, tmp_path: Path) -> None:
     operation = load_scenario(find_drill(name)).setup.operation
@@ -78,14 +77,13 @@ def test_every_drill_is_met_where_sections_are_given_back_one_by_one(name: str, 
         f'[operation]\nrelease = "section"\nreentry = "{operation.reentry.value}"\n'
         f'interlocking = "{operation.interlocking.value}"\n'
     )
-    drill = run_drill(str(file), PartyLink.SIMULATED)
+    drill = drill_on_plain(file)
     assert drill.run.scenario.setup.operation.release is ReleaseRule.SECTION
     missed = {v.text for v in drill.verdicts if not v.passed}
     assert missed <= set(OF_WHOLE_ROUTES.get(name, ()))
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 @pytest.mark.parametrize("name", ["karasuyama/09_manager_power", "karasuyama/33_links_flip"])
 def test_a_disturbed_day_is_met(name: str) -> None:
     drill = run_drill(name, PartyLink.SIMULATED)
@@ -97,7 +95,6 @@ def digest(drill: Drill) -> str:
     return drill.run.result.digest
 
 
-@pytest.mark.system
 @pytest.mark.parametrize(
     "name",
     at_night(
@@ -106,24 +103,22 @@ def digest(drill: Drill) -> str:
     ),
 )
 def test_a_drill_is_the_same_with_processes_that_are_killed(name: str) -> None:
-    assert digest(run_drill(name, PartyLink.ZENOH)) == digest(run_drill(name, PartyLink.SIMULATED))
+    assert digest(run_drill(name, PartyLink.ZENOH)) == digest(drill_on_plain(name))
 
 
-@pytest.mark.system
 def test_another_seed_is_another_run_and_the_same_seed_the_same() -> None:
     name = "rtri/27_slippery_rail"
     first, again, other = (digest(run_drill(name, PartyLink.SIMULATED, seed)) for seed in (2, 2, 3))
     assert first == again != other
 
 
-@pytest.mark.system
 def test_an_expectation_not_met_is_told_and_fails_the_drill(tmp_path: Path) -> None:
     file = tmp_path / "tried.toml"
     file.write_text(
         'extends = "rtri_test_line"\nid = "tried"\n'
         '[[expect]]\ntext = "it breaks"\nevent = { who = "K1", what = "position_fault" }\n'
     )
-    drill = run_drill(str(file), PartyLink.SIMULATED)
+    drill = drill_on_plain(file)
     assert not drill.passed
     told = json.loads(json.dumps(drill.as_dict()))
     broken, *defaults = told["expectations"]
@@ -154,10 +149,9 @@ def test_days_are_shipped_for_the_threats_to_transmission() -> None:
 def drill_of(tmp_path: Path, script: str, timetable: str = "") -> Drill:
     file = tmp_path / "tried.toml"
     file.write_text(f'extends = "rtri_test_line"\nid = "tried"\n{timetable}{script}')
-    return run_drill(str(file), PartyLink.SIMULATED)
+    return drill_on_plain(file)
 
 
-@pytest.mark.system
 def test_a_stock_that_never_finishes_its_last_duty_has_not_arrived(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -179,7 +173,6 @@ def test_a_stock_that_never_finishes_its_last_duty_has_not_arrived(
     assert any("K1" in text for text in drill.run.broken)
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("start_s", [10, 40, 75])
 def test_a_frozen_unit_delays_its_train_and_nothing_else(tmp_path: Path, start_s: int) -> None:
     fault = (
@@ -196,7 +189,6 @@ def test_a_frozen_unit_delays_its_train_and_nothing_else(tmp_path: Path, start_s
     assert said == []  # it does nothing, not even timers
 
 
-@pytest.mark.system
 def test_a_frozen_unit_whose_pile_is_not_kept_does_not_get_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -214,7 +206,6 @@ def test_a_frozen_unit_whose_pile_is_not_kept_does_not_get_in(
     assert not drill.passed
 
 
-@pytest.mark.system
 def test_what_never_came_due_is_said(tmp_path: Path) -> None:
     """The run is over at a quarter past ten: a fault at eleven at night disturbs nothing, and all expected is met."""
     fault = '[[fault]]\nkind = "frozen"\ntarget = "K1"\nduration_s = 1.0\nstart = '
@@ -223,9 +214,8 @@ def test_what_never_came_due_is_said(tmp_path: Path) -> None:
     assert drill.never_due == ("frozen K1",) == tuple(drill.as_dict()["never_due"])
 
 
-@pytest.mark.system
 def test_a_drills_directory_shows_the_drill(tmp_path: Path) -> None:
-    drill = run_drill("rtri/21_points_stuck", PartyLink.SIMULATED)
+    drill = drill_on_plain("rtri/21_points_stuck")
     out = tmp_path / "out"
     with reserved(out) as place:
         page = fill_drill(drill, place).read_text("utf-8")

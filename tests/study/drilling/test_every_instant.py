@@ -31,8 +31,6 @@ from study.drilling.replay_file import replay_of
 from study.runner.run import PartyLink
 from tests.nightly import others_nightly
 
-pytestmark = pytest.mark.system
-
 TEN: Final = 36_000.0  # T1's departure
 
 

@@ -26,8 +26,6 @@ from study.drilling.seen_telegrams import SeenTelegram, TelegramWatch
 from study.drilling.telegram_grid import FaultChoice, grid_of
 from tests.nightly import others_nightly
 
-pytestmark = pytest.mark.system
-
 
 def entry(t_s: float, event: Any) -> JournalEntry:  # noqa: ANN401
     return JournalEntry(t_s, "world", event)

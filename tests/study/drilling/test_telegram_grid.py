@@ -15,7 +15,7 @@ from scenario.scenario import Scenario, load_scenario
 from simulation.events import JournalEntry
 from simulation.faults.script import Expectation, Property, ScriptedFault
 from simulation.setup import STEPS_PER_S
-from study.drilling.drill import drills_in, find_drill, run_drill
+from study.drilling.drill import drills_in, find_drill
 from study.drilling.every_instant import InstantWindow, Progress, SweepOutcomes, sweep
 from study.drilling.grid_report import table_of
 from study.drilling.moving import staffed
@@ -23,10 +23,9 @@ from study.drilling.outcome_class import OutcomeKind, SweptRun
 from study.drilling.replay_file import replay_of
 from study.drilling.swept_rows import MadeOf, SweptRows, growing_rows
 from study.drilling.telegram_grid import AFTER_S, BEFORE_S, FaultChoice, grid_of, shortened_setup
-from study.runner.run import PartyLink, simulation_of
+from study.runner.run import simulation_of
 from tests.nightly import others_nightly
-
-pytestmark = pytest.mark.system
+from tests.plain import drill_on_plain
 
 NAME = "rtri/12_terminal_power"
 
@@ -103,7 +102,7 @@ def test_a_copy_beside_the_drills_own_faults_is_the_run_of_its_replay_to_the_byt
         file = tmp_path / f"replay_{number}.toml"
         text = replay_of(drill, variation.at(step), file.stem, "found", beside=True)
         file.write_text(text, "utf-8")
-        result = run_drill(str(file), PartyLink.SIMULATED).run.result
+        result = drill_on_plain(file).run.result
         assert result.courses[0].item == drill.setup.script.faults[0]
         assert (
             len([c for c in result.courses if isinstance(c.item, ScriptedFault)]) > 1

@@ -182,7 +182,6 @@ def test_budgets_are_ratios_and_a_busy_line_has_its_own(
     assert not report(figures(*walls, other="e"), 10, BUDGET)["same_digest"]
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("named", ["rtri_test_line", "turn_back"])
 def test_sumo_alone_ends_where_the_full_system_ended(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, named: str

@@ -36,7 +36,6 @@ def test_even_arrivals_wait_as_the_formula_has_it() -> None:
     assert queueing_s(arrivals_s, ((100.0, 160.0),), 0.5) == pytest.approx(225.0, rel=0.10)
 
 
-@pytest.mark.system
 def test_delay_under_closures_is_that_of_deterministic_queueing(tmp_path: Path) -> None:
     """Undersaturated by far, with the flow of discharge measured in the same net."""
     with road_run(LINE, alike(PLACE, SATURATED_PER_H), tmp_path, SATURATED, seed=1) as run:

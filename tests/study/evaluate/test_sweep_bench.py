@@ -67,7 +67,6 @@ def test_a_real_sweep_is_counted() -> None:
     assert found["peak_mb"] > 50.0
 
 
-@pytest.mark.system
 def test_every_way_runs_the_same_day(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep_bench, "DAYS", 1)
     ran = [sweep_bench.run_child(way, "rtri_test_line", "", "") for way in (EXECUTE, ON_SUMO, ON_PLAIN)]

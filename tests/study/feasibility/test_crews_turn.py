@@ -15,7 +15,7 @@ from plan.arranging.line_times import line_times
 from scenario.scenario import Scenario, load_scenario
 from study.feasibility.check import feasibility
 from study.feasibility.finding import FindingKind
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import run_on_plain
 from vehicle.train_file import load_train, train_named
 
 # T1 is to arrive at B at 10:02:00, and its set leaves as T2 at 10:05:00; the points beyond take 6 s.
@@ -57,9 +57,8 @@ def test_arrange_leaves_crews_their_time() -> None:
     assert turns_s[1] - turns_s[0] == 240 - 60  # instead of the minute in which a driver changes ends
 
 
-@pytest.mark.system
 def test_a_run_begins_the_next_train_no_sooner(tmp_path: Path) -> None:
-    finished = execute(_day(tmp_path, 240.0), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    finished = run_on_plain(_day(tmp_path, 240.0))
     entries = finished.result.journal.entries
     done_s = next(e.t_s for e in entries if isinstance(e.event, MissionDone))
     begun_s = next(e.t_s for e in entries if isinstance(e.event, MissionBegun) and e.event.train == "T2")

@@ -18,8 +18,6 @@ from tests.study.feasibility.broken_plans import BREAKS, good
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.moved_plans import moved_plan
 
-pytestmark = pytest.mark.system
-
 GOES_WRONG_S = 15.0  # later than this, a train of these plans did not run as planned
 ABOUT_S = 100.0  # by which a day in blocks and minutes may be wrong about the latest train
 BROKEN = [name for name in BREAKS if name != "no_way"]  # which has no run

@@ -13,12 +13,11 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.timetable import CallKind, load_timetable
 from scenario.scenario import load_scenario
-from study.drilling.drill import run_drill
 from study.feasibility.check import feasibility
 from study.making.scenario import new_drill, new_scenario
 from study.making.timetable import Pattern, new_timetable
 from study.making.train import Figures, new_train
-from study.runner.run import CarrierKind, PartyLink, execute
+from tests.plain import drill_on_plain, run_on_plain
 from vehicle.train_file import shipped_train
 
 VALLEY = Path(__file__).parents[2] / "examples" / "line" / "valley.toml"
@@ -100,12 +99,11 @@ def test_a_file_that_cannot_be_made_is_refused(name: str, tmp_path: Path) -> Non
 # drill -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.system
 @pytest.mark.parametrize("base", ["rtri_test_line", "karasuyama_round_trip"])
 def test_a_new_drill_runs_and_is_passed(base: str, tmp_path: Path) -> None:
     made = new_drill(base, tmp_path / "mine.toml")
     assert len(made.setup.script.faults) == len(made.setup.script.acts) == 1
-    drill = run_drill(str(tmp_path / "mine.toml"), PartyLink.SIMULATED)
+    drill = drill_on_plain(tmp_path / "mine.toml")
     assert drill.passed
     late_s = drill.run.summary["late_s_max"]
     assert late_s > 20.0  # the fault did something: the first train waits for its route
@@ -276,11 +274,10 @@ def test_the_shipped_line_and_the_file_name_one_another(tmp_path: Path) -> None:
         load_timetable(tmp_path / "tt.toml", load_line(shipped_line("karasuyama")))
 
 
-@pytest.mark.system
 def test_a_new_timetable_runs_on_time(tmp_path: Path) -> None:
     pattern = Pattern(1800, 6 * HOUR_S, 7 * HOUR_S + 1)
     new_timetable(str(VALLEY), "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
-    run = execute(load_scenario(str(tmp_path / "run.toml")), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain(tmp_path / "run.toml")
     assert not run.broken
     assert run.summary["trains_arrived"] == run.summary["trains_planned"] == 5
     assert run.summary["late_s_max"] < 30.0
@@ -300,13 +297,12 @@ def test_an_interval_that_cannot_work_is_refused_with_one_that_can(tmp_path: Pat
 
 
 def test_no_more_trains_are_tried_than_are_asked_for(tmp_path: Path) -> None:
-    """Every half an hour is too often for this line (its only loop lies 17 min from one end), but not a single time."""
-    one = Pattern(1800, 6 * HOUR_S, 6 * HOUR_S + 1200)
-    assert new_timetable("karasuyama", "br642", one, tmp_path / "one.toml", None) == 2
+    """Every quarter of an hour is too often where the only loop lies 8 km from one end, but not a single time."""
+    drawn = str(line_file(tmp_path, "name,km,tracks,kind\nA,0,1,\nK,4,2,signal station\nO,12,1,\n"))
+    one = Pattern(900, 6 * HOUR_S, 6 * HOUR_S + 899)
+    assert new_timetable(drawn, "ev_e301", one, tmp_path / "one.toml", None) == 2
     with pytest.raises(InputError):
-        new_timetable(
-            "karasuyama", "br642", Pattern(1800, 6 * HOUR_S, 9 * HOUR_S), tmp_path / "more.toml", None
-        )
+        new_timetable(drawn, "ev_e301", Pattern(900, 6 * HOUR_S, 7 * HOUR_S), tmp_path / "more.toml", None)
 
 
 def test_times_that_make_no_day_are_refused(tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from network.errors import InputError
-from scenario.scenario import load_scenario
 from study.measures.wait_text import at_time
 from study.plot import stations
 from study.plot.choice import Choice, chosen_run, time_of
@@ -23,9 +22,10 @@ from study.plot.write import default_name, figure_of, format_of, write_plot
 from study.record.read_back import RunRead, read_run
 from study.report.drawn import DPI, Format
 from study.report.style import drawing
-from study.runner.run import CarrierKind, PartyLink, execute, write_run
+from study.runner.run import write_run
 from study.wording.catalogue import phrases_of
 from tests.nightly import others_nightly
+from tests.plain import run_on_plain
 
 BEGINNINGS = {Format.PNG: b"\x89PNG\r\n", Format.SVG: b"<?xml", Format.CSV: b"\xef\xbb\xbf"}
 ON_BATTERIES = """
@@ -53,7 +53,7 @@ def read(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     if scenario == "karasuyama_round_trip":
         scenario = str(made / "on_batteries.toml")
         Path(scenario).write_text(ON_BATTERIES, "utf-8")
-    run = execute(load_scenario(scenario), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    run = run_on_plain(scenario)
     folder = made / request.param
     write_run(run, folder)
     return read_run(folder)

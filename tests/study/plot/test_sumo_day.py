@@ -15,6 +15,7 @@ from scenario.scenario import Scenario, load_scenario
 from study.plot.sumo_day import SumoDay, export_sumo, setup_as_run, vehicles_of, write_files
 from study.record.read_back import read_run
 from study.runner.run import PartyLink, execute, write_run
+from tests.plain import run_on_plain
 
 sumo = pytest.importorskip("sumo", reason="the extra net is not installed")
 AT_NIGHT = ("busy_line", "kururi_weekday", "isumi_weekday")
@@ -72,7 +73,6 @@ def shown(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     return scenario, run_sumo(scenario, tmp_path_factory.mktemp(request.param))
 
 
-@pytest.mark.system
 def test_every_vehicle_arrives_and_none_collides(shown: tuple[Scenario, Ran]) -> None:
     scenario, ran = shown
     assert {trip["id"] for trip in ran.trips} == {v.id for v in vehicles_of(scenario.setup)}
@@ -81,7 +81,6 @@ def test_every_vehicle_arrives_and_none_collides(shown: tuple[Scenario, Ran]) ->
     assert ran.collisions == 0
 
 
-@pytest.mark.system
 def test_trains_stop_where_and_when_the_timetable_has_them(shown: tuple[Scenario, Ran]) -> None:
     scenario, ran = shown
     for stock_id, planned in stands_of(scenario.setup.timetable).items():
@@ -117,7 +116,6 @@ def stands_of(timetable: Timetable) -> dict[str, list[tuple[str, str, int | None
     return stands
 
 
-@pytest.mark.system
 def test_plain_sumo_says_nothing_where_it_knows_no_home_of_its_own(tmp_path: Path) -> None:
     scenario = load_scenario("rtri_test_line")
     day = export_sumo(scenario.id, scenario.setup, tmp_path)
@@ -130,7 +128,6 @@ def test_plain_sumo_says_nothing_where_it_knows_no_home_of_its_own(tmp_path: Pat
 
 
 @pytest.mark.nightly
-@pytest.mark.system
 def test_a_train_that_passes_does_not_stand_and_passes_on_time(turn_back: str, tmp_path: Path) -> None:
     times = Path(turn_back).with_name("turn_back_times.toml")
     text = times.read_text("utf-8").replace(
@@ -144,11 +141,10 @@ def test_a_train_that_passes_does_not_stand_and_passes_on_time(turn_back: str, t
     assert float(passed["ended"]) - float(passed["started"]) < 20
 
 
-@pytest.mark.system
 def test_a_run_directory_shows_the_day_as_it_ran(tmp_path: Path) -> None:
     """To the second, where the timetable has whole minutes."""
     scenario = load_scenario("karasuyama_round_trip")
-    write_run(execute(scenario, PartyLink.SIMULATED), tmp_path / "run")
+    write_run(run_on_plain(scenario), tmp_path / "run")
     run = read_run(tmp_path / "run")
     ran = run_day(export_sumo(scenario.id, setup_as_run(run), tmp_path / "out"))
     as_run = {
@@ -179,7 +175,6 @@ def crossed(tmp_path: Path) -> Scenario:
     return load_scenario(str(file))
 
 
-@pytest.mark.system
 def test_a_road_is_in_it_and_nothing_stops_on_it(crossed: Scenario, tmp_path: Path) -> None:
     """Signals are off: netconvert's own program would stop the road for 5 s of 90. Of 600 an
     hour in 64 minutes 640 come, and four in a hundred are away from that by chance.
@@ -191,7 +186,6 @@ def test_a_road_is_in_it_and_nothing_stops_on_it(crossed: Scenario, tmp_path: Pa
     assert len(ran.trips) == len(of_road) + 1
 
 
-@pytest.mark.system
 def test_a_run_directory_has_the_vehicles_of_the_run(crossed: Scenario, tmp_path: Path) -> None:
     """Each from its departure as drawn; with another seed others come."""
     write_run(execute(crossed, PartyLink.SIMULATED), tmp_path / "run")
@@ -214,7 +208,6 @@ def test_a_run_directory_has_the_vehicles_of_the_run(crossed: Scenario, tmp_path
     assert other != planned
 
 
-@pytest.mark.system
 def test_sumo_gui_opens_it_without_a_word(crossed: Scenario, tmp_path: Path) -> None:
     """Where there is a display to be had; netedit, which nothing ends but a person, reads the same files."""
     server = shutil.which("Xvfb")

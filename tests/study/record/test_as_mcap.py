@@ -13,8 +13,6 @@ from study.record.directory import JOURNAL_FILE, reserved
 from study.record.read_back import read_run
 from study.runner.run import PartyLink, execute, fill_run
 
-pytestmark = pytest.mark.system
-
 
 def test_the_whole_run_comes_back(tmp_path: Path) -> None:
     reader = pytest.importorskip("mcap.reader", reason="the extra [mcap] is not installed")

@@ -27,7 +27,8 @@ from study.record.parts import PagePart, TextTable
 from study.record.read_back import parsed_inputs, read_run
 from study.record.tables import RunTables
 from study.report.report import report_again
-from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute, write_run
+from study.runner.run import FinishedRun, PartyLink, write_run
+from tests.plain import run_on_plain
 
 WHAT_IF = """
 extends = "karasuyama_weekday"
@@ -53,7 +54,7 @@ delay_mean_s = 2.0
 
 @pytest.fixture(scope="module")
 def done() -> FinishedRun:
-    return execute(load_scenario("rtri_test_line"), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    return run_on_plain("rtri_test_line")
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +94,7 @@ def test_so_is_that_of_a_drill_with_its_marks_and_of_trains_that_learn(tmp_path:
 
     file = tmp_path / "learns.toml"
     file.write_text('extends = "rtri_test_line"\nid = "learns"\nname = "x"\n[tuning]\ndays = 2\n', "utf-8")
-    learns = execute(load_scenario(str(file)), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
+    learns = run_on_plain(file)
     assert learns.result.learned_from
     first = write_run(learns, tmp_path / "learns")
     read = read_run(first.parent)

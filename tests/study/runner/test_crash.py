@@ -16,8 +16,6 @@ from simulation.loop import Simulation
 from study.runner.crash import Crashed
 from study.runner.run import PartyLink, execute
 
-pytestmark = pytest.mark.system
-
 PLANTED_STEP: Final = 360_500  # 10:00:50, while T1 runs
 WORDS: Final = re.compile(
     r"bug: KeyError: 'planted'; scenario (\w+), seed 1, step (\d+), simulated time 10:(\d\d):(\d\d\.\d);"

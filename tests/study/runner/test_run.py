@@ -165,7 +165,6 @@ def test_impossible_meets_are_told_when_trains_are_missing() -> None:
     assert any(text.startswith("321M and 322M would meet at Ogane") for text in told)
 
 
-@pytest.mark.system
 def test_every_run_has_new_keys_which_leave_no_trace_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bits that flip in the air change codes and capabilities too: which ones they are decides nothing."""
     keys = []

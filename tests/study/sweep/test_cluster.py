@@ -26,8 +26,6 @@ from tests.study.sweep.here import swept, table
 from tests.study.sweep.planted import RUNNER, begun_counts
 
 pytest.importorskip("distributed")
-pytestmark = pytest.mark.system
-
 ROOT: Final = Path(__file__).resolve().parents[3]
 DASK: Final = (sys.executable, "-m", "dask.__main__")
 ALONE: Final = ("--no-nanny", "--no-dashboard", "--nthreads", "1")

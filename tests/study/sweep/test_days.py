@@ -15,8 +15,6 @@ import pytest
 from tests.conftest import Ended
 from tests.study.sweep.conftest import DRAW, SWEEP, WAIT_S
 
-pytestmark = pytest.mark.system
-
 
 def rows_of(file: Path) -> list[dict[str, str]]:
     with file.open(encoding="utf-8", newline="") as stream:

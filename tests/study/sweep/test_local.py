@@ -24,7 +24,6 @@ from tests.study.sweep.planted import RUNNER, begun_counts, control_of
 ROOT = Path(__file__).resolve().parents[3]
 
 
-@pytest.mark.system
 def test_killed_worker_loses_its_day_alone(sweep_file: Path, out: Path, held: Held, expected: str) -> None:
     """The other process is held until another has taken the dead one's place: it could run the rest alone."""
     held.hold(5, 6, 7)
@@ -52,7 +51,6 @@ def test_killed_worker_loses_its_day_alone(sweep_file: Path, out: Path, held: He
     assert tries == [1] * 23 + [2]
 
 
-@pytest.mark.system
 @pytest.mark.nightly
 def test_day_that_kills_its_worker_is_filed_as_crashed(sweep_file: Path, out: Path) -> None:
     (control_of(out) / "die-1").touch()
@@ -70,7 +68,6 @@ def test_day_that_kills_its_worker_is_filed_as_crashed(sweep_file: Path, out: Pa
     assert "4 days: the program crashed" in state.failures[0]
 
 
-@pytest.mark.system
 @pytest.mark.nightly
 def test_killed_client_leaves_what_was_filed(sweep_file: Path, out: Path, held: Held, expected: str) -> None:
     held.hold(6, 7)

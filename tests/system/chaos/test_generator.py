@@ -22,7 +22,8 @@ from tests.system.chaos.fault_fields import RANGES, bounds_of, fields_of
 from tests.system.chaos.generator import BEFORE_S, DURATION_S, FAULTS_MAX, WINDOW_S, case_of
 from tests.system.chaos.run_one import Verdict, outcome_of, undisturbed
 
-SEEDS: Final = range(150)
+# Of a third of its timetables, each of which runs once undisturbed; all of them run by night.
+SEEDS: Final = [seed for seed in range(450) if seed % TIMETABLES < TIMETABLES // 3]
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from network.files.quantities import BY_NAME
 from network.files.quantity import Quantity
-from network.files.schema_walk import resolved_node
+from network.files.schema_walk import json_schema_of, resolved_node
 from simulation.faults.table import FAULTS
 from vehicle.train_file import UNITS, TrainFile
 
@@ -64,7 +64,7 @@ class Place:
 
 def places_of(model: type[BaseModel], data: Mapping[str, Any]) -> Iterator[Place]:
     """Every figure that `data` has, by the model's schema."""
-    schema = model.model_json_schema()
+    schema = json_schema_of(model)
     yield from _places(schema, resolved_node(schema, schema), data, (), model is TrainFile)
 
 
@@ -109,7 +109,7 @@ def _in_other_unit(node: Mapping[str, Any], key: str) -> tuple[Any, float]:
 
 def _fault_places(value: Mapping[str, Any], path: Path) -> Iterator[Place]:
     """The figures that a kind of fault has of its own."""
-    schema = FAULTS[value["kind"]].model_json_schema()
+    schema = json_schema_of(FAULTS[value["kind"]])
     for key, own in schema["properties"].items():
         if key in value and "quantity" in own and not isinstance(value[key], bool | str):
             yield Place((*path, key), _in_schema_unit(own), own["type"] == "integer")
