@@ -262,6 +262,22 @@ def test_the_halt_where_trains_could_meet_is_named(main: Callable[..., Any], tmp
     assert sorted(json.loads(found.out)["lacking"]["trains"]["KID"]) == ["1", "2"]
 
 
+def test_the_signal_station_between_two_stations_is_named(main: Callable[..., Any], tmp_path: Path) -> None:
+    """Both leave at 10:00 and pass each other by print half way, where there is nothing: a row of the list mends it."""
+    listed = [row for row in STATIONS.splitlines() if "KID" not in row]
+    (tmp_path / "hill.csv").write_text("\n".join(listed) + "\n", "utf-8")
+    (tmp_path / "day.toml").write_text(DAY.replace("UP_LEAVES", "10:00"), "utf-8")
+    assert main("new", "line", "hill.csv", "hill.toml").code == 0
+    found = main("arrange", "hill.toml", "day.toml", "--limit", "60", "--train", "br642")
+    assert found.code == 1, found
+    assert "if there were a signal station between Asa and Bato (for 1, 2), no printed time" in found.out
+    listed.insert(2, "Asa - Bato,,,2,signal station")
+    (tmp_path / "hill2.csv").write_text("\n".join(listed) + "\n", "utf-8")
+    assert main("new", "line", "hill2.csv", "hill2.toml", "--id", "hill").code == 0
+    mended = main("arrange", "hill2.toml", "day.toml", "--limit", "60", "--train", "br642")
+    assert mended.code == 0, mended
+
+
 def test_trains_that_come_and_go_by_portals_stand_nowhere(main: Callable[..., Any], tmp_path: Path) -> None:
     """Three trains each way by two tracks at each end: no set stands there, neither before its train nor after it."""
     stations = (
