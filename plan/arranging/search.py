@@ -27,7 +27,7 @@ from plan.arranging.telling import Tell, tell_nobody
 
 MINUTE_S: Final = 60
 SPANS_S: Final = (3600, 7200, 10_800)  # assumed: how long a stretch is, one after the other
-STRETCH_WORK: Final = 0.04  # of the solver's counted work for one stretch
+STRETCH_WORK: Final = 0.02  # of the solver's counted work for one stretch
 GAIN_MIN: Final = 0.01  # of what moves in a stretch count: who gains less there goes on elsewhere
 BUILDING_WORK: Final = 0.01  # counted for each besides: to state it takes time, too
 

@@ -12,7 +12,7 @@ from network.files.timetable_schema import CallTable
 from network.timetable import Call
 from plan.arranging import nearest, search
 from plan.arranging.draft import _printed
-from plan.arranging.lacking import Day, Halts, MoreTracks
+from plan.arranging.lacking import Day, Halts, MoreTracks, more_tracks
 from plan.arranging.model import ANOTHER, Aim, ArrangeModel
 from plan.arranging.nearest import NothingFoundError, nearest_plan
 from plan.arranging.problem import (
@@ -236,6 +236,14 @@ def test_the_signal_station_where_trains_could_meet_is_named_with_them() -> None
     assert max(move.by_s for move in plan.arranged.moves) == 600
     assert plan.lacking is not None
     assert (plan.lacking.by_station, plan.lacking.trains) == ({"A.B": 1}, {"A.B": ("1", "2")})
+
+
+def test_tracks_that_the_line_with_a_second_track_lacks_besides_are_named_too() -> None:
+    """Laid with a loop, L's day still has a third set at A, which has two tracks: one more is for it."""
+    days = [*_meet(), _train("3", "AB", NOON + 7200, tracks={**TRACKS, "A": ("A.2",)})]
+    found = more_tracks([_by_a_halt()], _room([days]), 60)
+    assert found is not None
+    assert found.by_station == {"L": 1, "A": 1}
 
 
 def test_half_a_way_takes_half_its_time_and_a_stop_more() -> None:
