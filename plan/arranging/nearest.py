@@ -29,7 +29,7 @@ WHOLE_WORK: Final = 1.0  # for the least of a day as a whole
 WIDE_WORK: Final = 0.3  # the same where printed times move far: such a proof is rare
 WIDE_TRAINS_MAX: Final = 20  # with more it is not looked for: that takes time which is not counted
 FAR_S: Final = 2400  # nor, with more, a plan that moves times further, where more tracks would do
-BESIDE_WORK: Final = 0.4  # for moves beyond the limit, where it is known which tracks would keep it
+BESIDE_WORK: Final = 0.3  # for moves beyond the limit, where it is known which tracks would keep it
 STEPS_WORK: Final = 0.7  # for a better plan in steps, where there is no proof, on an account of its own
 
 
