@@ -60,22 +60,24 @@ class _Limits(Record):
 def without_geometry(stations: StationList) -> StationsOnAxis:
     """Places as listed on a straight axis. Raises InputError for a station without kilometrage."""
     for station in stations.stations:
-        if station.km is None:
+        if station.km is None and not _in_the_middle(stations, station):
             expected = "a kilometrage: there is no geometry to take it from"
             raise InputError(stations.file, f"{station.key}.km", None, expected)
-    places_m = tuple(float(round((station.km or 0.0) * 1000.0)) for station in stations.stations)
+    listed_m = {s.id: 1000.0 * s.km for s in stations.stations if s.km is not None}
+    places_m = tuple(_place_m(stations, station, listed_m) for station in stations.stations)
     alignment = Alignment("main", places_m[0], places_m[-1], 0.0, 0.0, 90.0, 0.0, (), (), (), ())
     return StationsOnAxis(
         places_m,
         alignment,
         rows=tuple(
-            f"{s.name} ({s.id}): km {at_m / 1000:.3f}, as listed"
+            f"{s.name} ({s.id}): km {at_m / 1000:.3f}, {'as listed' if s.id in listed_m else _how(stations, s)}"
             for s, at_m in zip(stations.stations, places_m, strict=True)
         ),
         remarks=(),
         sources=(),
         assumed=(
             "plan: one straight, because no geometry was joined; so there are no curves and no limits of curves",
+            *_between(stations, listed_m),
         ),
         comment=(),
     )
@@ -243,7 +245,7 @@ def _match(file: Path, station: ListedStation, rows: Sequence[SourceStation]) ->
             )
         if fits:
             return fits[0]
-    if station.km is None:
+    if station.km is None and station.has_platforms:
         name = station.name_ja or station.name
         names = [row.original_name for row in rows]
         near = difflib.get_close_matches(name, names, n=3, cutoff=0.3) or names
@@ -262,6 +264,9 @@ def _place_m(stations: StationList, station: ListedStation, on_axis: dict[str, f
         return float(round(on_axis[station.id]))
     listed = stations.stations
     index = listed.index(station)
+    if _in_the_middle(stations, station):
+        beside_m = [_place_m(stations, listed[at], on_axis) for at in (index - 1, index + 1)]
+        return float(round(sum(beside_m) / 2.0))
     known = [s for s in listed if s.id in on_axis and s.km is not None]
     below = next((s for s in reversed(known) if listed.index(s) < index), None)
     above = next((s for s in known if listed.index(s) > index), None)
@@ -276,6 +281,14 @@ def _place_m(stations: StationList, station: ListedStation, on_axis: dict[str, f
     return float(round(on_axis[below.id] + share * (on_axis[above.id] - on_axis[below.id])))
 
 
+def _in_the_middle(stations: StationList, station: ListedStation) -> bool:
+    """Of a signal station (信号場) it may be known only between which stations it is: in their middle, assumed."""
+    index = stations.stations.index(station)
+    beside = stations.stations[index - 1 : index + 2 : 2] if index else ()
+    unplaced = [s for s in (station, *beside) if s.km is None and not s.has_platforms]
+    return unplaced == [station] and len(beside) > 1
+
+
 def _check_order(stations: StationList, places_m: Sequence[float]) -> None:
     for i in range(1, len(places_m)):
         if places_m[i] <= places_m[i - 1]:
@@ -284,12 +297,20 @@ def _check_order(stations: StationList, places_m: Sequence[float]) -> None:
             raise InputError(stations.file, f"{station.key}.km", station.km, expected)
 
 
+def _how(stations: StationList, station: ListedStation) -> str:
+    if _in_the_middle(stations, station):
+        return "in the middle between its neighbours"
+    return "from the list, between stations of the polyline"
+
+
 def _between(stations: StationList, on_axis: dict[str, float]) -> Iterator[str]:
-    names = [s.name for s in stations.stations if s.id not in on_axis]
-    if names:
-        yield (
-            f"places of {', '.join(names)}: not in the geometry, so by the list's kilometrages between neighbours"
-        )
+    lacking = [s for s in stations.stations if s.id not in on_axis]
+    for how, is_middle in (
+        ("not in the geometry, so by the list's kilometrages between neighbours", False),
+        ("in the middle between the stations beside them, as nothing says where", True),
+    ):
+        if names := [s.name for s in lacking if _in_the_middle(stations, s) is is_middle]:
+            yield f"places of {', '.join(names)}: {how}"
 
 
 def _joined(
@@ -320,7 +341,7 @@ def _joined(
     )
     rows = tuple(
         f"{s.name} ({s.id}): km {at_m / 1000:.3f}, "
-        + ("as the polyline" if s.id in on_axis else "from the list, between stations of the polyline")
+        + ("as the polyline" if s.id in on_axis else _how(stations, s))
         for s, at_m in zip(stations.stations, places_m, strict=True)
     )
     assumed = (

@@ -1,4 +1,4 @@
-"""Lay a second track at a halt on single track, so that trains can meet there (交換設備の新設).
+"""Lay a second track at a halt or between two stations, so that trains can meet there (交換設備の新設, 信号場).
 
 What `network.making.layout` lays for a new line is laid into one that stands: two tracks of 240 m about the halt's
 place, with points at both ends that lie normal for left-hand running, which are one terminal each. The section between
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final, TypeVar
 
 from network.errors import InputError
@@ -81,12 +82,18 @@ class _Loop:
         return InputError(self.file, self.key, self.station.id, expected)
 
 
+def between_id(low_id: str, high_id: str) -> str:
+    """What a signal station in the middle between two neighbours is called."""
+    return f"{low_id}.{high_id}"
+
+
 def with_loop(entry: LineFile, station_id: str, file: str, key: str) -> LineFile:
-    """The line file with a second track at a halt.
+    """The line file with a second track at a halt, or between two neighbours: a signal station (信号場), `A.B`.
 
     `entry` belongs to a valid line; `file` and `key` say in errors where the loop is asked for. Raises InputError for
     what is no halt, and where there is no room.
     """
+    entry = _with_place(entry, station_id)
     loop = _loop(entry, station_id, file, key)
     section = loop.section
     if not (_m(section.from_km) < loop.low_km and loop.high_km < _m(section.to_km)):
@@ -117,6 +124,42 @@ def with_loop(entry: LineFile, station_id: str, file: str, key: str) -> LineFile
     return entry.model_copy(update={"tags": [*entry.tags, *_tags(entry, loop)]})
 
 
+def _with_place(entry: LineFile, name: str) -> LineFile:
+    """The same with a halt without a platform in the middle between two neighbours, where `name` is that of both."""
+    in_order = sorted(entry.stations, key=lambda station: station.km)
+    pair = next(((a, b) for a, b in pairwise(in_order) if between_id(a.id, b.id) == name), None)
+    if pair is None or any(station.id == name for station in entry.stations):
+        return entry
+    low, high = pair
+    axis = {section.id: section.alignment for section in entry.sections}
+    km = round((low.km + high.km) / 2.0, 3)
+    mark_km = LayoutRule(TagRule().train_length_m, 0.0).mark_m / 1000.0
+    here = [
+        section
+        for section in entry.sections
+        if section.kind == "between"
+        and section.alignment == axis[low.tracks[0].section] == axis[high.tracks[0].section]
+        and _m(section.from_km) < km < _m(section.to_km)
+    ]
+    added = [
+        StationTable(
+            id=name,
+            name=f"{low.name} - {high.name}",
+            name_ja=f"{low.name_ja}・{high.name_ja}" if low.name_ja and high.name_ja else "",
+            km=km,
+            halt=True,
+            tracks=[
+                PlatformTable(
+                    name="1", section=section.id, mark_down_km=km + mark_km, mark_up_km=km - mark_km
+                )
+            ],
+        )
+        for section in here
+    ]
+    at = entry.stations.index(low) + 1
+    return entry.model_copy(update={"stations": [*entry.stations[:at], *added, *entry.stations[at:]]})
+
+
 def _m(km: float | None) -> float:
     assert km is not None
     return km
@@ -126,7 +169,10 @@ def _loop(entry: LineFile, station_id: str, file: str, key: str) -> _Loop:
     halts = [station.id for station in entry.stations if station.halt]
     station = next((station for station in entry.stations if station.id == station_id and station.halt), None)
     if station is None:
-        raise InputError(file, key, station_id, f"a halt, {one_of(halts, station_id)}")
+        expected = (
+            f"a halt, {one_of(halts, station_id)}; or A.B, two neighbours with single track in their middle"
+        )
+        raise InputError(file, key, station_id, expected)
     section = next(s for s in entry.sections if s.id == station.tracks[0].section)
     rule = LayoutRule(TagRule().train_length_m, entry.line.max_speed_kmh / 3.6)
     return _Loop(station, station.tracks[0], section, rule.track_half_m / 1000.0, file, key)

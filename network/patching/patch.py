@@ -57,7 +57,11 @@ class LinePatch(FilePatch):
         default_factory=list
     )
     add_loops: Annotated[
-        list[str], about("halts that get a second track with points, where trains can meet")
+        list[str],
+        about(
+            "halts that get a second track with points, where trains can meet; `A.B`: a signal station in the middle"
+            " between two neighbours"
+        ),
     ] = Field(default_factory=list)
     remove_tags: Annotated[TagsOut | None, about("tags taken out by purpose")] = None
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
+from exchange.hidden_meets import meets_between
 from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import parse_toml, read_text
 from network.model import Line
+from network.patching.loop_addition import between_id
 from network.patching.patch import load_patched_line
 from network.timetable import Timetable, timetable_of
 from plan.arranging.draft import PrintedCall, printed_calls, trains_to_arrange
@@ -135,7 +138,12 @@ def arranged_day(
 
         stations = line.stations.values()
         along_m = {station.id: station.position_m for station in stations}
-        halts = Halts(frozenset(s.id for s in stations if s.is_halt), along_m, room, laid)
+        between = dict(_between(line, drafts[0].timetable))
+        for (low, high), here in between.items():
+            along_m[here] = (along_m[low] + along_m[high]) / 2.0
+        names = {*(s.id for s in stations if s.is_halt), *between.values()}
+        by_ends = {frozenset(ends): name for ends, name in between.items()}
+        halts = Halts(frozenset(names), along_m, room, laid, by_ends)
     try:
         found = nearest_plan([draft.trains for draft in drafts], limit_s, halts, tell)
     except NothingFoundError as why:
@@ -167,13 +175,28 @@ def arranged_day(
 
 def lacking_text(line: Line, lacking: MoreTracks) -> str:
     """A sentence of it."""
+    signal = {name: ends for ends, name in _between(line)}
     names = [
-        f"{line.stations[station_id].name} had {count} more track{'s' if count > 1 else ''}"
-        f" (for {', '.join(lacking.trains[station_id][:NAMED_TRAINS])})"
+        (
+            f"{line.stations[station_id].name} had {count} more track{'s' if count > 1 else ''}"
+            if station_id in line.stations
+            else "there were a signal station between "
+            + " and ".join(line.stations[end].name for end in signal[station_id])
+        )
+        + f" (for {', '.join(lacking.trains[station_id][:NAMED_TRAINS])})"
         for station_id, count in lacking.by_station.items()
     ]
     worst = f" by more than {lacking.worst_s} s" if lacking.worst_s else ""
     return f"if {' and '.join(names)}, no printed time would be moved{worst}"
+
+
+def _between(line: Line, timetable: Timetable | None = None) -> Iterator[tuple[tuple[str, str], str]]:
+    """Neighbours and what a signal station between them is called; of a day those between which its trains meet."""
+    in_order = [station.id for station in sorted(line.stations.values(), key=lambda s: s.position_m)]
+    meets = None if timetable is None else frozenset(meets_between(timetable, line))
+    for ends in pairwise(in_order):
+        if meets is None or ends in meets:
+            yield ends, between_id(*ends)
 
 
 def _draft(

@@ -1,14 +1,17 @@
 """What a line lacks for a day: the fewest tracks more with which no printed time is moved beyond the limit.
 
-Of stations that have tracks, one more beside them; of halts, the second track by which trains can meet there. A way
-that goes by halts is taken apart at them as if they were stations, with the blocking times of the whole; what is chosen
-so is looked at again on the line with just these tracks, and only what holds there is told.
+Of stations that have tracks, one more beside them; of halts, the second track by which trains can meet there; where
+opposing trains meet between two neighbours by print, a signal station there (信号場). A way that goes by these is taken
+apart at them as if they were stations, with the blocking times of the whole; what is chosen so is looked at again on
+the line with just these tracks, and only what holds there is told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Final
 
 from plan.arranging.model import ANOTHER, REACH_S, Aim, ArrangeModel, NoRoomError
@@ -20,6 +23,7 @@ LACKING_WORK: Final = 0.4  # of the solver's counted work, for all days and choi
 CHOICE_WORK: Final = 0.1  # for one choice of tracks
 STEPS_WORK: Final = 0.1  # for a better plan with the tracks chosen
 MORE_TRACKS_MAX: Final = 6  # that a station is thought to be given
+MOST: Final = 1000  # more tracks than any day lacks
 MEETS_STAY_S: Final = 10  # assumed: a train that only waits for another
 
 Day = Sequence[TrainToArrange]
@@ -36,16 +40,17 @@ class MoreTracks:
 
 @dataclass(frozen=True, slots=True)
 class Halts:
-    """Where a second track could be laid.
+    """Where a second track could be laid: halts, and signal stations between two neighbours.
 
     `along_m`: places of all stations along the line; `room`: whether there is room for tracks at some halts; `laid`:
-    the days on the line with them.
+    the days on the line with them; `between`: what the signal station between two stations would be called.
     """
 
     names: frozenset[str]
     along_m: Mapping[str, float]
     room: Callable[[Sequence[str]], bool]
     laid: Callable[[Sequence[str]], Sequence[Day]]
+    between: Mapping[frozenset[str], str] = field(default_factory=dict[frozenset[str], str])
 
     def without_room(self, chosen: Sequence[str]) -> frozenset[str]:
         """Of halts chosen the first for which there is no room beside those before it."""
@@ -64,14 +69,18 @@ def more_tracks(
     """The fewest for the limit, or else for the least reach beyond it; None where none were found."""
     left = LACKING_WORK
     tell("looking for tracks that lack")
-    halts = replace(halts, names=frozenset(name for name in halts.names if halts.room((name,))))
+    room = frozenset(name for name in halts.names if halts.room((name,)))
+    beside = {name for ends, name in halts.between.items() if not room.isdisjoint(ends)}  # the halt would do
+    halts = replace(halts, names=room - beside)
+    new = frozenset(halts.between.values())
     for reach_s in dict.fromkeys((limit_s, max(limit_s, REACH_S // 6))):
         found: list[MoreTracks] = []
-        for some in dict.fromkeys((halts.names, frozenset[str]())):
+        for some in dict.fromkeys((halts.names.difference(new), frozenset[str](), halts.names)):
+            if found and not some.isdisjoint(new):
+                break  # rather a track where there is a station or a halt
             for trains in days:
-                if any(sum(one.by_station.values()) == 1 for one in found):
-                    break  # there are none with fewer
-                told, spent = _told(trains, replace(halts, names=some), days, limit_s, reach_s, left)
+                below = min((sum(one.by_station.values()) for one in found), default=MOST)
+                told, spent = _told(trains, replace(halts, names=some), days, limit_s, reach_s, left, below)
                 left -= spent
                 found += [told] if told is not None else []
         if found:
@@ -80,17 +89,17 @@ def more_tracks(
 
 
 def _told(
-    trains: Day, halts: Halts, days: Sequence[Day], limit_s: int, reach_s: int, left: float
+    trains: Day, halts: Halts, days: Sequence[Day], limit_s: int, reach_s: int, left: float, below: int
 ) -> tuple[MoreTracks | None, float]:
-    """The fewest tracks of a day, as they hold on the line with them; and the work for it."""
+    """The fewest tracks of a day, and fewer than `below`, as they hold on the line with them; and the work for it."""
     spent = 0.0
-    while spent < left:
+    while spent < left and below > 1:
         try:
             chosen, work = fewest_tracks(trains, halts, limit_s, reach_s, min(left - spent, CHOICE_WORK))
         except NoRoomError as none:
             return None, spent + none.work
         spent += work
-        if not chosen.more_tracks:
+        if not 0 < sum(chosen.more_tracks.values()) < below:
             break
         laid = tuple(name for name in chosen.more_tracks if name in halts.names)
         tracks = {name: count for name, count in chosen.more_tracks.items() if name not in laid}
@@ -100,11 +109,25 @@ def _told(
         if not halts.names:  # a plan of the line as it is, but for these tracks
             best, work = improved(trains, chosen, limit_s, tracks, min(max(left - spent, 0.0), STEPS_WORK))
             return _as_told(best, chosen.more_tracks), spent + work
+        held: list[tuple[int, Day, Arranged]] = []
         for other in halts.laid(laid) if laid else days:
-            plan, work = _with(other, tracks, limit_s, reach_s, min(max(left - spent, 0.0), STEPS_WORK))
+            try:
+                plan, work = fewest_tracks(
+                    other, NO_HALTS, limit_s, reach_s, min(max(left - spent, 0.0), CHOICE_WORK)
+                )
+            except NoRoomError as none:
+                spent += none.work
+                continue
             spent += work
-            if plan is not None:
-                return _as_told(plan, chosen.more_tracks), spent
+            held.append((sum(plan.more_tracks.values()), other, plan))
+            if not plan.more_tracks:
+                break
+        if held:
+            _, other, plan = min(held, key=lambda one: one[0])
+            best, work = improved(
+                other, plan, limit_s, plan.more_tracks, min(max(left - spent, 0.0), STEPS_WORK)
+            )
+            return _as_told(best, Counter(laid) + Counter(plan.more_tracks)), spent + work
         break
     return None, spent
 
@@ -123,28 +146,17 @@ def fewest_tracks(
     return fewer, plan.work + spent
 
 
-def _with(
-    trains: Day, tracks: Mapping[str, int], limit_s: int, reach_s: int, work: float
-) -> tuple[Arranged | None, float]:
-    """A good plan with these tracks."""
-    try:
-        plan = ArrangeModel(trains, limit_s, reach_s, tracks).solve(work, Aim.ANY)
-    except NoRoomError as none:
-        return None, none.work
-    better, spent = improved(trains, plan, limit_s, tracks, work)
-    return better, plan.work + spent
-
-
 def meeting_at(train: TrainToArrange, halts: Halts) -> TrainToArrange:
     """The same with a place at each halt on its way, on the track of its direction."""
     ends_m = [halts.along_m[train.visits[at].station_id] for at in (0, -1)]
     track = int(ends_m[0] > ends_m[1])
     visits: list[Visit] = []
     parts: list[str] = []
-    for at, visit in enumerate(train.visits):
+    way = list(_with_between(train.visits, halts))
+    for at, visit in enumerate(way):
         if at:
-            parts.append("|".join(sorted((train.visits[at - 1].station_id, visit.station_id))))
-        leg = next((after.leg for after in train.visits[at:] if after.tracks), None)
+            parts.append("|".join(sorted((way[at - 1].station_id, visit.station_id))))
+        leg = next((after.leg for after in way[at:] if after.tracks), None)
         if leg is None or not (visit.tracks or visit.station_id in halts.names):
             visits.append(visit)
             continue
@@ -154,6 +166,19 @@ def meeting_at(train: TrainToArrange, halts: Halts) -> TrainToArrange:
             replace(visit, leg=own) if visit.tracks else _meeting(visit, own, f"{visit.station_id}.{track}")
         )
     return replace(train, visits=tuple(visits))
+
+
+def _with_between(visits: Sequence[Visit], halts: Halts) -> Iterator[Visit]:
+    """The visits of a train with those of signal stations that could lie between them, each half way."""
+    yield visits[0]
+    for before, visit in pairwise(visits):
+        name = halts.between.get(frozenset((before.station_id, visit.station_id)))
+        if name not in halts.names or visit.run is None:
+            yield visit
+            continue
+        half = visit.run.half()
+        yield Visit(name, Standing.NEVER, run=half)
+        yield replace(visit, run=half)
 
 
 def _meeting(visit: Visit, leg: Leg, track: str) -> Visit:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Final
 
 from plan.arranging.lacking import NO_HALTS, Halts, MoreTracks, fewest_tracks, more_tracks
@@ -28,7 +29,8 @@ WHOLE_WORK: Final = 1.0  # for the least of a day as a whole
 WIDE_WORK: Final = 0.3  # the same where printed times move far: such a proof is rare
 WIDE_TRAINS_MAX: Final = 20  # with more it is not looked for: that takes time which is not counted
 FAR_S: Final = 2400  # nor, with more, a plan that moves times further, where more tracks would do
-STEPS_WORK: Final = 0.4  # for a better plan in steps, where there is no proof
+BESIDE_WORK: Final = 0.3  # for moves beyond the limit, where it is known which tracks would keep it
+STEPS_WORK: Final = 0.7  # for a better plan in steps, where there is no proof, on an account of its own
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,14 +65,18 @@ def nearest_plan(
     Raises NothingFoundError where none has one. `halts`: where tracks could be laid with which the limit is kept.
     `tell_all` takes what is being done.
     """
+    lacking_tracks = cache(partial(more_tracks, days, halts, limit_s, tell_all))
     left = WORK_MAX
     why = "no plan keeps all trains apart"
     none_within_s = 0
     for reach_s in REACHES_S:
         if reach_s > FAR_S and max(map(len, days)) > WIDE_TRAINS_MAX:
-            lacking = more_tracks(days, halts, limit_s, tell_all)
+            lacking = lacking_tracks()
             if lacking is not None:
-                raise NothingFoundError(f"none was found that moves no time by more than {FAR_S} s", lacking)
+                known = f"; proven: none moves each by {none_within_s} s or less" if none_within_s else ""
+                raise NothingFoundError(
+                    f"none was found that moves no time by more than {FAR_S} s{known}", lacking
+                )
         found: list[tuple[int, int, Arranged]] = []
         certain = True
         for index, trains in enumerate(days):
@@ -94,14 +100,16 @@ def nearest_plan(
             found.append((beyond_s, index, arranged))
         if found:
             _, index, arranged = min(found, key=lambda one: one[:2])
-            lacking = more_tracks(days, halts, limit_s, tell_all)
+            lacking = lacking_tracks()
             worst_s = max(abs(move.by_s) for move in arranged.moves)
             if lacking is not None and lacking.worst_s >= worst_s:
                 lacking = None  # it would gain nothing
             return NearestPlan(index, arranged, lacking, none_within_s)
         if certain:
             none_within_s = reach_s
-    raise NothingFoundError(why, more_tracks(days, halts, limit_s, tell_all))
+            if reach_s >= limit_s and max(map(len, days)) > WIDE_TRAINS_MAX and lacking_tracks() is not None:
+                left = min(left, BESIDE_WORK)
+    raise NothingFoundError(why, lacking_tracks())
 
 
 def _of_reach(tell: Tell, reach_s: int) -> Tell:
@@ -130,7 +138,7 @@ def _nearest(
         tell("looking for any plan")
         begun, more = _first_plan(trains, limit_s, reach_s, max(left - spent, 0.0), spent)
         spent += more
-    plan, steps = improved(trains, begun, limit_s, {}, min(max(left - spent, 0.0), STEPS_WORK), tell)
+    plan, steps = improved(trains, begun, limit_s, {}, STEPS_WORK, tell)
     return replace(plan, proven=False, bound_s=bound_s), spent + steps
 
 

@@ -6,6 +6,7 @@ places it has whole, from a time before it leaves the one to a time after it is 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -34,6 +35,12 @@ class RunSeconds:
     stop_pass: int
     pass_stop: int
     pass_pass: int
+
+    def half(self) -> RunSeconds:
+        """As far as the middle, or from there, as running and braking lengthen the whole."""
+        through = self.pass_pass / 2
+        starts, stops = self.stop_pass - self.pass_pass, self.pass_stop - self.pass_pass
+        return RunSeconds(*(math.ceil(through + more) for more in (starts + stops, starts, stops, 0)))
 
     def ways(self) -> tuple[tuple[bool, bool, int], ...]:
         """Whether it stands at the one end and at the other, and how long it then takes."""

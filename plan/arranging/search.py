@@ -27,7 +27,7 @@ from plan.arranging.telling import Tell, tell_nobody
 
 MINUTE_S: Final = 60
 SPANS_S: Final = (3600, 7200, 10_800)  # assumed: how long a stretch is, one after the other
-STRETCH_WORK: Final = 0.04  # of the solver's counted work for one stretch
+STRETCH_WORK: Final = 0.02  # of the solver's counted work for one stretch
 GAIN_MIN: Final = 0.01  # of what moves in a stretch count: who gains less there goes on elsewhere
 BUILDING_WORK: Final = 0.01  # counted for each besides: to state it takes time, too
 
@@ -44,21 +44,22 @@ def improved(
 ) -> tuple[Arranged, float]:
     """A plan that is better, where so much counted work finds one, and how much it took."""
     spent = 0.0
-    for span_s in SPANS_S:
-        tried: dict[frozenset[str], object] = {}
-        while (free := _worst(trains, plan, limit_s, span_s, tried)) is not None:
-            if spent >= work_max:
-                return plan, spent
-            total_s = sum(abs(move.by_s) for move in plan.moves)
-            tell(f"better in steps of {span_s // MINUTE_S} min, moves of {total_s} s in all so far")
-            worth = _worth(plan, free, limit_s)
-            tried[free] = _state(plan, free)
-            better, work = _better(trains, plan, free, limit_s, more, worth)
-            spent += work + BUILDING_WORK
-            if better is not None:
-                plan = better
-                if _worth(plan, free, limit_s) > (1.0 - GAIN_MIN) * worth:
-                    tried[free] = None
+    for gain_min in (GAIN_MIN, 0.0):  # what gains little comes last, with the work that is left
+        for span_s in SPANS_S:
+            tried: dict[frozenset[str], object] = {}
+            while (free := _worst(trains, plan, limit_s, span_s, tried)) is not None:
+                if spent >= work_max:
+                    return plan, spent
+                total_s = sum(abs(move.by_s) for move in plan.moves)
+                tell(f"better in steps of {span_s // MINUTE_S} min, moves of {total_s} s in all so far")
+                worth = _worth(plan, free, limit_s)
+                tried[free] = _state(plan, free)
+                better, work = _better(trains, plan, free, limit_s, more, worth)
+                spent += work + BUILDING_WORK
+                if better is not None:
+                    plan = better
+                    if _worth(plan, free, limit_s) > (1.0 - gain_min) * worth:
+                        tried[free] = None
     return plan, spent
 
 

@@ -57,5 +57,6 @@ def _begins_s(train: TrainToArrange) -> int:
 
 
 def latest_s(train: TrainToArrange) -> int:
-    """The last time, s, that is printed of a train, or by which it is to be at its end."""
-    return max(s for v in train.visits for s in (v.arrival_s, v.departure_s, train.until_s) if s is not None)
+    """The last time, s, that is printed of a train, or by which it is or can be at its end."""
+    printed_s = [s for v in train.visits for s in (v.arrival_s, v.departure_s) if s is not None]
+    return max(*printed_s, train.until_s, earliest_s(train)[-1][0])

@@ -8,10 +8,12 @@ from typing import Any
 
 import pytest
 
+from exchange.hidden_meets import meets_between
+from network.files.line_file import load_line
 from network.files.timetable_schema import CallTable, TimetableFile
 from network.files.toml_input import parse_toml
 from network.model import Line
-from network.timetable import Timetable, seconds_of
+from network.timetable import Timetable, seconds_of, timetable_of
 from plan.arranging import draft
 
 STATIONS = "name,id,km,tracks,kind\nAsa,ASA,0,2,\nKido,KID,3,2,signal station\nBato,BAT,6,2,\n"
@@ -260,6 +262,36 @@ def test_the_halt_where_trains_could_meet_is_named(main: Callable[..., Any], tmp
     assert found.code == 1, found
     assert json.loads(found.out)["lacking"]["by_station"] == {"KID": 1}
     assert sorted(json.loads(found.out)["lacking"]["trains"]["KID"]) == ["1", "2"]
+
+
+def test_the_signal_station_between_two_stations_is_named(main: Callable[..., Any], tmp_path: Path) -> None:
+    """Both leave at 10:00 and pass each other by print half way, where there is nothing: a row of the list mends it."""
+    listed = [row for row in STATIONS.splitlines() if "KID" not in row]
+    (tmp_path / "hill.csv").write_text("\n".join(listed) + "\n", "utf-8")
+    (tmp_path / "day.toml").write_text(DAY.replace("UP_LEAVES", "10:00"), "utf-8")
+    assert main("new", "line", "hill.csv", "hill.toml").code == 0
+    found = main("arrange", "hill.toml", "day.toml", "--limit", "60", "--train", "br642")
+    assert found.code == 1, found
+    assert "if there were a signal station between Asa and Bato (for 1, 2), no printed time" in found.out
+    listed.insert(2, "Asa - Bato,,,2,signal station")
+    (tmp_path / "hill2.csv").write_text("\n".join(listed) + "\n", "utf-8")
+    assert main("new", "line", "hill2.csv", "hill2.toml", "--id", "hill").code == 0
+    mended = main("arrange", "hill2.toml", "day.toml", "--limit", "60", "--train", "br642")
+    assert mended.code == 0, mended
+
+
+@pytest.mark.parametrize(("up_leaves", "meets"), [("10:00", [("ASA", "KID")]), ("10:03", [])])
+def test_printed_minutes_that_are_coarse_show_no_meet_between_stations(
+    main: Callable[..., Any], tmp_path: Path, up_leaves: str, meets: list[tuple[str, str]]
+) -> None:
+    """Down leaves Asa at 10:00 and is at Kido at 10:05; up is there 2 min before that, or 2 min before it is at Asa."""
+    trains = _train("1", "down", 'station = "ASA", departure = "10:00"', 'station = "KID", arrival = "10:05"')
+    up = f'station = "KID", departure = "{up_leaves}"'
+    trains += _train("2", "up", up, 'station = "ASA", arrival = "10:08"')
+    _day_at_kido(main, tmp_path, trains)
+    line, path = load_line(tmp_path / "hill.toml"), tmp_path / "day.toml"
+    day = timetable_of(parse_toml(path.read_text("utf-8"), str(path), TimetableFile), str(path), line)
+    assert list(meets_between(day, line)) == meets
 
 
 def test_trains_that_come_and_go_by_portals_stand_nowhere(main: Callable[..., Any], tmp_path: Path) -> None:

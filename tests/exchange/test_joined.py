@@ -82,6 +82,39 @@ def test_stations_without_a_place_are_named(
         joined(tmp_path, geometry, text)
 
 
+def test_a_signal_station_of_which_only_the_neighbours_are_known_lies_in_their_middle(
+    tmp_path: Path, geometry: tuple[Path, Path]
+) -> None:
+    new = joined(tmp_path, geometry, "name,tracks,kind\n甲,1,\nMiddle,2,signal station\n乙,1,\n丁,1,\n")
+    places = {s.name: s.position_m for s in new.line.stations.values()}
+    assert places["Middle"] == pytest.approx((places["甲"] + places["乙"]) / 2.0, abs=1.0)
+    assert any(text.startswith("places of Middle: in the middle") for text in new.line.assumed)
+
+
+def test_a_list_without_geometry_may_leave_out_where_a_signal_station_is(tmp_path: Path) -> None:
+    path = tmp_path / "list.csv"
+    path.write_text("name,km,tracks,kind\nAsa,0,2,\nMiddle,,2,signal station\nBato,6,2,\n", "utf-8")
+    new = make_line(path, "listed", NewLineOptions())
+    assert [s.position_m for s in new.line.stations.values()] == [0.0, 3000.0, 6000.0]
+    assert any(text.startswith("Middle (MDD): km 3.000, in the middle") for text in new.rows)
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "Asa,0,2,\nOne,,2,signal station\nTwo,,2,signal station\nBato,6,2,\n",
+        "Asa,,2,signal station\nBato,6,2,\nChu,9,2,\n",
+        "Asa,0,2,\nMiddle,,2,station\nBato,6,2,\n",
+    ],
+    ids=["two", "at the end", "a station"],
+)
+def test_others_of_which_nobody_says_where_they_are_are_refused(tmp_path: Path, rows: str) -> None:
+    path = tmp_path / "list.csv"
+    path.write_text(f"name,km,tracks,kind\n{rows}", "utf-8")
+    with pytest.raises(InputError, match="a kilometrage: there is no geometry"):
+        make_line(path, "listed", NewLineOptions())
+
+
 def test_a_poor_fit_is_remarked_on(tmp_path: Path, geometry: tuple[Path, Path]) -> None:
     spike = [[140.05595, 36.6], [140.056, 36.6004], [140.05605, 36.6]]  # one vertex 44 m to the north
     bent = [*TRACK[:28], *spike, *TRACK[29:]]

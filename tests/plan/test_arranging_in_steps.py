@@ -12,7 +12,7 @@ from network.files.timetable_schema import CallTable
 from network.timetable import Call
 from plan.arranging import nearest, search
 from plan.arranging.draft import _printed
-from plan.arranging.lacking import Day, Halts, MoreTracks
+from plan.arranging.lacking import Day, Halts, MoreTracks, more_tracks
 from plan.arranging.model import ANOTHER, Aim, ArrangeModel
 from plan.arranging.nearest import NothingFoundError, nearest_plan
 from plan.arranging.problem import (
@@ -21,6 +21,7 @@ from plan.arranging.problem import (
     ByStanding,
     Leg,
     PrintedMove,
+    RunSeconds,
     Standing,
     TrainToArrange,
     Visit,
@@ -133,17 +134,20 @@ def test_a_stop_that_nobody_prints_counts_in_it_as_in_the_model() -> None:
     assert gap_of(trains, replace(_late(by_s=0), bound_s=30.0), 300)[0] == 0.25
 
 
-def test_a_stretch_in_which_next_to_nothing_is_gained_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One in which each step gains a second is not what all steps go to."""
+def test_a_stretch_in_which_next_to_nothing_is_gained_comes_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One in which each step gains a second is left for those of other lengths; it has the work that is left, then."""
     asked: list[int] = []
+    told: list[str] = []
 
     def gains_a_second(*_given: object) -> tuple[Arranged, float]:
         asked.append(1)
         return _late(by_s=500 - len(asked)), 0.0
 
     monkeypatch.setattr(search, "_better", gains_a_second)
-    improved(_meet(), _late(by_s=500), 300, {}, work_max=0.5)
-    assert len(asked) == len(search.SPANS_S)
+    improved(_meet(), _late(by_s=500), 300, {}, work_max=10 * search.BUILDING_WORK, tell=told.append)
+    first = [text.split(",")[0] for text in told[:4]]
+    assert first == [f"better in steps of {span} min" for span in (60, 120, 180, 60)]
+    assert len(asked) > len(first)
 
 
 def test_any_plan_keeps_trains_apart() -> None:
@@ -188,6 +192,62 @@ def test_the_halt_at_which_trains_could_meet_is_named_with_them() -> None:
     assert max(move.by_s for move in plan.arranged.moves) == 570
     assert plan.lacking == MoreTracks({"L": 1}, 30, {"L": ("1", "2")})
     assert plan.none_within_s == 300
+
+
+def test_a_train_of_which_no_arrival_is_printed_has_time_to_come() -> None:
+    """It runs for 3,000 s after the last time that is printed of the day."""
+    first, last = _train("1", "AB", NOON, tracks=TRACKS).visits
+    late = replace(last, run=RunSeconds(3000, 3000, 3000, 3000))
+    plan = ArrangeModel([train_of("1", (first, late))], 300, 300).solve(0.1)
+    assert plan.visits["1"][-1].arrival_s == NOON + 3000
+
+
+def _by_open_track() -> list[TrainToArrange]:
+    """Those of the meet on a line without a place between A and B, which takes 600 s: they pass L's place at 280 s."""
+    found: list[TrainToArrange] = []
+    for train in _by_a_halt():
+        first, _, last = train.visits
+        run = RunSeconds(600, 590, 590, 560)
+        found.append(replace(train, visits=(replace(first, departure_s=NOON), replace(last, run=run))))
+    return found
+
+
+def _by_the_middle() -> Halts:
+    """Room for a signal station there, with which the meet is as with a loop."""
+    laid: list[TrainToArrange] = []
+    for train in _meet():
+        first, loop, last = train.visits
+        here = replace(loop, station_id="A.B", departure_s=None)
+        laid.append(replace(train, visits=(replace(first, departure_s=NOON), here, last)))
+    along_m = {"A": 0.0, "B": 6000.0, "A.B": 3000.0}
+    return Halts(
+        frozenset({"A.B"}),
+        along_m,
+        lambda _: True,
+        lambda at: [laid] if tuple(at) == ("A.B",) else (),
+        {frozenset(("A", "B")): "A.B"},
+    )
+
+
+def test_the_signal_station_where_trains_could_meet_is_named_with_them() -> None:
+    """Both are to leave at noon, by a way of 600 s."""
+    plan = nearest_plan([_by_open_track()], 60, _by_the_middle())
+    assert max(move.by_s for move in plan.arranged.moves) == 600
+    assert plan.lacking is not None
+    assert (plan.lacking.by_station, plan.lacking.trains) == ({"A.B": 1}, {"A.B": ("1", "2")})
+
+
+def test_tracks_that_the_line_with_a_second_track_lacks_besides_are_named_too() -> None:
+    """Laid with a loop, L's day still has a third set at A, which has two tracks: one more is for it."""
+    days = [*_meet(), _train("3", "AB", NOON + 7200, tracks={**TRACKS, "A": ("A.2",)})]
+    found = more_tracks([_by_a_halt()], _room([days]), 60)
+    assert found is not None
+    assert found.by_station == {"L": 1, "A": 1}
+
+
+def test_half_a_way_takes_half_its_time_and_a_stop_more() -> None:
+    """280 s through, 10 s more for a start and for a stop: 140 s to the middle, 150 and 160 s with one and both."""
+    assert RUN.half() == RunSeconds(160, 150, 150, 140)
 
 
 def test_a_halt_without_room_for_a_second_track_is_not_named() -> None:

@@ -98,3 +98,20 @@ def test_the_radio_reaches_the_new_terminals() -> None:
 def test_where_no_loop_can_be_laid(halts: list[str], expected: str) -> None:
     with pytest.raises(InputError, match=expected):
         line_with(*halts)
+
+
+def test_a_signal_station_lies_in_the_middle_between_two_neighbours() -> None:
+    """Ogane lies at km 12.600, Kobana at 15.094: a signal station (信号場) at 13.847, without platforms."""
+    line = line_with("OGN.KBN")
+    station = line.stations["OGN.KBN"]
+    assert (station.position_m, station.is_signal_station, station.is_halt) == (13_847.0, True, False)
+    assert [track.directions for track in station.tracks] == [(Direction.DOWN,), (Direction.UP,)]
+    assert list(line.stations).index("OGN.KBN") == list(line.stations).index("OGN") + 1
+    there = find_route(line, "OGN.1", "OGN.KBN.1", Direction.DOWN)
+    on = find_route(line, "OGN.KBN.1", "KRS.1", Direction.DOWN)
+    assert there is not None and on is not None
+
+
+def test_stations_that_are_no_neighbours_have_none_between_them() -> None:
+    with pytest.raises(InputError, match=r"or A\.B, two neighbours"):
+        line_with("OGN.TAK")
