@@ -52,9 +52,11 @@ def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
     limit_m = float(row.stop_limit_m)
     # Where the limit is that which the unit keeps before a crossing, that is why it ends there.
     at_road = (
-        ahead is not None and command.guarded == ahead[0].id and ahead[1] - limit_m < LIMIT_BEFORE_ROAD_M
+        ahead is not None
+        and command.crossings.guarded == ahead[0].id
+        and ahead[1] - limit_m < LIMIT_BEFORE_ROAD_M
     )
-    why = f"level crossing {command.guarded} to be proved closed" if at_road else command.limit.why
+    why = f"level crossing {command.crossings.guarded} to be proved closed" if at_road else command.limit.why
     return CabShown(
         unit=unit,
         train="" if duty is None else duty.train.number,
@@ -69,7 +71,7 @@ def cab_of(session: Session, unit: str, crossings: CrossingsSeen) -> CabShown:
         brake_notches=int(kind.brake_notches),
         intervention=0 if sample is None else int(sample["intervention"]),
         may_drive=command.drive,
-        on_sight=command.on_sight or command.sweeps or command.creeps,
+        on_sight=command.on_sight or command.sweeps or command.crossings.creeps,
         authority_m=None if at_m is None else _finite(limit_m - at_m),
         why=why,
         why_ja=reason(why).in_("ja") if why else "",

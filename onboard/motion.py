@@ -427,7 +427,7 @@ class UnitMotion:
 
     def obey(self, command: DrivingCommand, now_s: float) -> None:
         """Set what the tick works to."""
-        row = self.row
+        row, roads = self.row, command.crossings
         self.command = command
         self._look_for_sign(None if command.target is None else self._next_target())
         if DrivingOrder.RELEASE in command.orders:
@@ -436,13 +436,13 @@ class UnitMotion:
             row.intervention = EMERGENCY_INTERVENTION
         if DrivingOrder.LOSE in command.orders:
             self._lose(NO_ROOM)
-        restricted = command.on_sight or command.sweeps or command.creeps or not row.position_known
+        restricted = command.on_sight or command.sweeps or roads.creeps or not row.position_known
         row.restricted_mps = self._pace.sight_mps if restricted else math.inf
         if command.on_sight:
             self._run_on_sight(command)
         else:
             self._run(command, now_s)
-        row.look_s, row.look_before_m = command.look_s, self.crossings.start_m(command.unless_on)
+        row.look_s, row.look_before_m = roads.look_s, self.crossings.start_m(roads.unless_on)
         self._found = False
         row.position_trigger_m = math.inf if self._pace.timed is None else self._pace.timed.position_m
         row.position_trigger_m = min(row.position_trigger_m, self._fixes.ask_m)
@@ -468,10 +468,10 @@ class UnitMotion:
         row.mode = MODE_DRIVE if may_run else MODE_HOLD
 
     def _run(self, command: DrivingCommand, now_s: float) -> None:
-        row, mission = self.row, self._mission
+        row, mission, roads = self.row, self._mission, command.crossings
         if mission is None:
             return
-        limit_m = self.crossings.nearer(joint_m := self._joint_m(command.limit.joint), command.guarded)
+        limit_m = self.crossings.nearer(joint_m := self._joint_m(command.limit.joint), roads.guarded)
         moved, row.stop_limit_m = limit_m != row.stop_limit_m and row.speed_mps == 0.0, limit_m
         row.mode = MODE_DRIVE if command.drive else MODE_HOLD
         if DrivingOrder.DEPART in command.orders:
@@ -483,7 +483,7 @@ class UnitMotion:
             if moved or command.orders or self._found or self._off_plan or self._pace.passed_by(there):
                 self._pace.choose(mission, command.target, now_s, self.load_share)
                 self._off_plan = False
-            self._aim(there.mark_m, self.crossings.nearer(joint_m, command.before_crossing))
+            self._aim(there.mark_m, self.crossings.nearer(joint_m, roads.before))
         end_m = math.inf if command.rear is None else self._ends_m[command.rear]
         freed_m = self._doubt.release_trigger_m(end_m, self._length_m)
         row.rear_trigger_m = min(freed_m, self.crossings.clears_at_m())

@@ -135,19 +135,14 @@ class OnboardUnit:
             del self._timers[timer]
             self._take(TimerDue(timer), place, now_s)
         self._look_at_crossings(sensed, now_s)
-        ends_s, unless_on = self._crossings.proof_ends(elapsed_s)
+        crossings = self._crossings.command(elapsed_s)
         command = msgspec.structs.replace(
             self._commanded(),
             orders=tuple(self._orders),
-            before_crossing=self._crossings.held_before(elapsed_s),
-            guarded=self._crossings.guarded(elapsed_s),
-            at_crossing=self._crossings.kept_standing_by(elapsed_s),
-            creeps=self._crossings.creeps,
-            unless_on=unless_on,
-            look_s=self._elapsed.shown_at(ends_s),
+            crossings=msgspec.structs.replace(crossings, look_s=self._elapsed.shown_at(crossings.look_s)),
         )
         wakes_s = [*map(self._shown_at, self._timers.values())]
-        if (wake_s := self._crossings.wake_s(elapsed_s, unless_on)) < math.inf:
+        if (wake_s := self._crossings.wake_s(elapsed_s, crossings.unless_on)) < math.inf:
             wakes_s.append(self._elapsed.shown_at(wake_s))
         answer = UnitAnswer(
             tuple(self._telegrams),

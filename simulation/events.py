@@ -47,6 +47,7 @@ __all__ = [
     "ProofDropped",
     "Proven",
     "Reported",
+    "Sent",
     "Started",
     "TakenBack",
     "TookEffect",

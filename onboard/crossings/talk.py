@@ -28,7 +28,7 @@ from onboard.crossings.machine import (
     still_s,
     wake_s,
 )
-from onboard.duty.records import DutyPhase, DutyState
+from onboard.duty.records import CrossingCommand, DutyPhase, DutyState
 from radio.envelope import Received
 from radio.messages import (
     CrossingClear,
@@ -124,6 +124,12 @@ class CrossingTalk:
         """The whole train is off the line."""
         for crossing_id in list(self._views):
             self._take(crossing_id, CrossingOffLine(), now_s)
+
+    def command(self, now_s: float) -> CrossingCommand:
+        """What the driving part is to do of it, `look_s` in elapsed time."""
+        look_s, unless_on = self.proof_ends(now_s)
+        before, guarded = self.held_before(now_s), self.guarded(now_s)
+        return CrossingCommand(before, guarded, self.kept_standing_by(now_s), self.creeps, unless_on, look_s)
 
     def held_before(self, now_s: float) -> str:
         """The first crossing that the front may not go onto; empty: none."""

@@ -365,16 +365,29 @@ class DrivingOrder(Enum):
     LOSE = "lose"  # the position is of no use here: on sight from now on
 
 
+class CrossingCommand(msgspec.Struct, frozen=True):
+    """What level crossings mean to the driving part and the driver, by their ids; empty: none.
+
+    `before`: the one before which the limit lies, `guarded`: that at which it must lie should nobody say more, `at`:
+    the one that keeps it standing; `creeps`: over one on sight. `look_s`: when, by its clock, it is to look again if
+    its front is not surely on `unless_on` by then.
+    """
+
+    before: str = ""
+    guarded: str = ""
+    at: str = ""
+    creeps: bool = False
+    unless_on: str = ""
+    look_s: float = math.inf
+
+
 class DrivingCommand(msgspec.Struct, frozen=True):
     """What the unit wants of its driving part: run or stand, how far, and what to watch for.
 
     `target`: the stop to run to; None: none. `rear`: the span that the safe rear is to leave next. What is held
     and proven, and what the train waits for, is shown to the driver. `sweeps`: what is held must first be passed on
     sight; `confirm`: the driver is asked whether the whole train is at its mark; `unable`: told why the train may not
-    leave. `before_crossing`: the level crossing before which the limit lies, `guarded`: that at which it must lie
-    should nobody say more, `at_crossing`: the one that keeps it standing; `creeps`: over one on sight;
-    `look_s`: when, by its clock, it is to look again if its front is not surely on `unless_on` by then.
-    `within_section`: on sight, no further than the end of that where it stands. `orders` are given once.
+    leave. `within_section`: on sight, no further than the end of that where it stands. `orders` are given once.
     """
 
     drive: bool = False
@@ -395,9 +408,4 @@ class DrivingCommand(msgspec.Struct, frozen=True):
     within_section: bool = False
     confirm: bool = False
     unable: Unable | None = None
-    before_crossing: str = ""
-    guarded: str = ""
-    at_crossing: str = ""
-    creeps: bool = False
-    unless_on: str = ""
-    look_s: float = math.inf
+    crossings: CrossingCommand = CrossingCommand()

@@ -16,7 +16,6 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
-from radio.noted import Sent
 from simulation.events import (
     MANAGER,
     WORLD,
@@ -39,6 +38,7 @@ from simulation.events import (
     ProofDropped,
     Proven,
     Reported,
+    Sent,
     Started,
     TakenBack,
     TookEffect,

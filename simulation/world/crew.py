@@ -156,7 +156,7 @@ class Crew:
         if plant.speed_mps > 0.0 or not self._trains.truths[slot].active:
             return ""
         if slot not in self.by_hand and not self._on_board.drives_on_sight(slot):
-            return shown.at_crossing
+            return shown.crossings.at
         crossing_id, stops_m = self._open_crossing(slot)
         return crossing_id if stops_m - float(self._trains.truths[slot].position_m) < SEES_M else ""
 

@@ -17,6 +17,7 @@ from network.model import TagPurpose
 from onboard import notes
 from onboard.duty.records import (
     AtMark,
+    CrossingCommand,
     DrivingCommand,
     FoundByOtherSensor,
     Looked,
@@ -366,7 +367,7 @@ def test_a_train_that_stands_since_its_bounds_leave_no_room_gives_its_position_u
 
 def test_a_crossing_beyond_its_mark_is_nothing_to_wait_for(motion: UnitMotion) -> None:
     """Its unit asks that once it has called."""
-    motion.obey(msgspec.structs.replace(RUN, before_crossing="C", guarded="C"), 0.0)
+    motion.obey(msgspec.structs.replace(RUN, crossings=CrossingCommand("C", "C")), 0.0)
     assert stand_idle(motion, 300.0, 320.0) == [PositionLost()]
 
 

@@ -255,7 +255,7 @@ def waits_for_a_crossing_beyond_its_mark(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(
         UnitMotion,
         "_stands_idle",
-        lambda motion: [] if motion.command.before_crossing else idle(motion),
+        lambda motion: [] if motion.command.crossings.before else idle(motion),
     )
     hear = talk.CrossingTalk.hear
 

@@ -336,7 +336,7 @@ def test_a_driver_who_comes_onto_an_open_road_reports_it(tmp_path: Path, frozen:
     people = "people = { react = true, guard_s = 5.0, sigma = 0.0 }\n"
     file = tmp_path / "staff.toml"
     file.write_text(f"{HEAD}{people}{crossing}start_down_km = 0.5\nstart_up_km = 1.2\n{fault}", "utf-8")
-    run = run_drill(str(file), PartyLink.SIMULATED).run
+    run = drill_on_plain(str(file)).run
     events = [(entry.t_s, entry.event) for entry in run.result.journal.entries]
     came_s = min(t_s for t_s, event in events if isinstance(event, CrossingEntered))
     guarded_s = [t_s for t_s, event in events if isinstance(event, RoadGuarded) and event.there]
