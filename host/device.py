@@ -18,7 +18,7 @@ from host.party import Advance, PartySpec
 from host.store import Durable, PartyStore, raise_epoch
 from network.errors import InputError
 from radio.elapsed import Elapsed
-from radio.envelope import Dropped, DropReason, Endpoint, Received
+from radio.envelope import Dropped, DropReason, Endpoint, Peer, Received
 from radio.keys import KeyRing
 from radio.messages import CrossingOver, CrossingRequest, PointsCommand, Restarted
 from wayside import block_manager, level_crossing, point_terminal
@@ -266,7 +266,7 @@ class DeviceHost:
         self, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()
     ) -> DeviceAdvance:
         """Act at `now_s` on inputs, telegrams and timers."""
-        sends: list[Send] = []
+        sends: list[tuple[Send, int]] = []
         outputs: list[Output] = []
         elapsed_s = self._elapsed.at(now_s)
         for given in inputs:
@@ -285,28 +285,34 @@ class DeviceHost:
             self._store.save(durable)
         sealed = tuple(
             (send.destination, self._endpoint.seal(send.destination, send.message, now_s, send.correlation))
-            for send in sends
+            for send, epoch in sends
+            if epoch == self._epoch_of(send.destination)  # an answer to one boot is none to the next
         )
         notes, self._notes = tuple(self._notes), []
         wake_s = self._machine.wake_at_s()
         wake_at_s = None if wake_s is None else self._elapsed.shown_at(wake_s)
         return DeviceAdvance(sealed, tuple(outputs), wake_at_s, notes)
 
-    def _sort(self, actions: Iterable[Action], sends: list[Send], outputs: list[Output]) -> None:
+    def _sort(self, actions: Iterable[Action], sends: list[tuple[Send, int]], outputs: list[Output]) -> None:
         for action in actions:
             match action:
                 case Send():
-                    sends.append(action)
+                    sends.append((action, self._epoch_of(action.destination)))
                 case Show(note):
                     self._notes.append(note)
                 case Drive(output):
                     outputs.append(output)
 
-    def _note_drop(self, dropped: Dropped, sends: list[Send]) -> None:
+    def _note_drop(self, dropped: Dropped, sends: list[tuple[Send, int]]) -> None:
         self._notes.append(dropped.noted(self._endpoint.owner))
         # Its sender still speaks to the boot before this one: tell it, so that its next telegram counts.
         if dropped.reason is DropReason.EARLIER_BOOT and dropped.envelope is not None:
-            sends.append(Send(dropped.envelope.source, Restarted()))
+            source = dropped.envelope.source
+            sends.append((Send(source, Restarted()), self._epoch_of(source)))
+
+    def _epoch_of(self, peer_id: str) -> int:
+        """Which boot of a party was heard last; 0: none."""
+        return self._endpoint.peers.get(peer_id, Peer()).heard_epoch
 
 
 class DeviceParty:

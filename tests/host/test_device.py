@@ -145,6 +145,17 @@ def test_a_telegram_for_the_boot_before_takes_no_effect_and_is_answered() -> Non
     assert PointsCommanded in [type(note) for note in answer.notes]
 
 
+def test_what_answers_the_boot_before_of_a_unit_is_not_said_to_the_next_one() -> None:
+    """Both are heard in one step: sealed for who was heard last, the first answer would count as one to the second."""
+    before, host = unit(1), terminal()
+    grant = granted(before)
+    host.advance(0.0, [], [PointsDetected("p", Position.REVERSE, True)])
+    after = unit(2)
+    sent = [before.seal("t", command(grant), 1.0, 1), after.seal("t", command(grant), 1.0, 2)]
+    opened = [after.open(data, 1.0) for _, data in host.advance(1.0, sent).telegrams]
+    assert [one.correlation for one in opened if isinstance(one, Received)] == [2]
+
+
 def test_noise_and_copies_change_nothing() -> None:
     train, host = unit(), manager()
     data = train.seal(MANAGER_ID, Claim((), 0), 0.0)
