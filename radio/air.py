@@ -172,7 +172,7 @@ class _Link:
     chance: np.random.Generator
     bad: bool
     updated_step: int
-    last_step: int = 0
+    last_step: int
 
 
 @dataclass(slots=True)
@@ -222,7 +222,7 @@ class Air:
         link = self._links.get((source, destination))
         if link is None:
             chance = generator(self.seed, self.stream, source, destination)
-            link = _Link(chance, bool(chance.random() < parameters.bad_share), now_step)
+            link = _Link(chance, bool(chance.random() < parameters.bad_share), now_step, now_step)
             self._links[source, destination] = link
         elapsed_s = (now_step - link.updated_step) * self.step_s
         if elapsed_s < 0.0:

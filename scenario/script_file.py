@@ -42,7 +42,7 @@ from simulation.judge.checkers import Checker
 from simulation.names import names_in
 from simulation.setup import Setup
 
-_CLOCK: Final = re.compile(r"(\d{1,2}):([0-5]\d)(?::([0-5]\d(?:\.\d)?))?")
+_CLOCK: Final = re.compile(r"(-?)(\d{1,2}):([0-5]\d)(?::([0-5]\d(?:\.\d)?))?")
 
 
 class FaultTable(Record):
@@ -386,8 +386,9 @@ def _trigger(file: str, key: str, given: str | Mapping[str, Any], after_s: float
 
 
 def time_of(file: str, key: str, text: str) -> float:
-    """Seconds after midnight of a time in a file or on the command line. InputError for anything else."""
+    """Seconds after midnight of a time in a file or command line, before it with a minus. InputError for any other."""
     match = _CLOCK.fullmatch(text)
     if match is None:
         raise InputError(file, key, text, "a time HH:MM or HH:MM:SS")
-    return int(match[1]) * 3600.0 + int(match[2]) * 60.0 + float(match[3] or 0.0)
+    time_s = int(match[2]) * 3600.0 + int(match[3]) * 60.0 + float(match[4] or 0.0)
+    return -time_s if match[1] else time_s

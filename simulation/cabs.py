@@ -161,6 +161,10 @@ class Cabs:
         """A driver has cut the unit out, and goes when people let him, or in again."""
         (self._cut_out.add if out else self._cut_out.discard)(slot)
 
+    def is_cut_out(self, slot: int) -> bool:
+        """Whether a driver has cut the unit out."""
+        return slot in self._cut_out
+
     # what is seen of a unit ----------------------------------------------------------------------------------------
 
     def answers(self, slot: int) -> bool:

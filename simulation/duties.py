@@ -45,7 +45,7 @@ from simulation.world.trains import SIGN
 from wayside.config import MANAGER_ID
 from wayside.said import BoundaryPassed, ConfirmOutside
 
-PORTAL_RETRY_S: Final = 10.0
+RETRY_STEPS: Final = 10 * STEPS_PER_S  # until who stands before a portal looks at it again
 _IS_TO: Final[Mapping[Pause, str]] = {
     Pause.ENTRY: "its crew to take it in through the portal",
     Pause.SIGN_OFF: "its crew to sign off",
@@ -88,6 +88,7 @@ class Duties:
         self._outside: dict[str, list[int]] = {}  # who stands behind another before a portal, in order
         sections = world.setup.line.sections.values()
         self._portals: Final = {section.id for section in sections if section.kind is SectionKind.PORTAL}
+        self._looks_again: dict[int, bool] = {}  # whose portal was taken: whether it may yet come in
         self._due: dict[tuple[Pause, int], int] = {}  # the step at which a crew does something, by slot
         cabs.told.add(self.unit_tells)
 
@@ -119,10 +120,9 @@ class Duties:
 
     def _truly_done(self, slot: int) -> bool:
         duty = self._trains.duties[slot]
-        if self._stage[slot] is not StockStage.DONE:
-            return False
-        if duty is None or not self._trains.truths[slot].active:
-            return True
+        done = self._stage[slot] is StockStage.DONE
+        if not done or duty is None or not self._trains.truths[slot].active:
+            return done
         return self._trains.plants[slot].speed_mps <= 0.0 and duty.train.number in self._books.arrived
 
     def has_duty(self, slot: int) -> bool:
@@ -175,8 +175,10 @@ class Duties:
         Raises WrongEnd where the train stands beyond the track on which it should turn.
         """
         stock_id = self._trains.stock_ids[slot]
-        if self._stage[slot] is StockStage.WAITING:  # accepted, but its portal was not free
-            self._enter(slot, self._present(slot), step)
+        if slot in self._looks_again:
+            may = self._looks_again.pop(slot) and self._stage[slot] is StockStage.WAITING
+            if may and (slot not in self._on_board.unpowered or self._cabs.is_cut_out(slot)):
+                self._enter(slot, self._present(slot), step)
             return
         on_line = self._stage[slot] is StockStage.ON_LINE
         if self._is_yet_to_finish(slot):
@@ -186,7 +188,7 @@ class Duties:
         if turns and not self._trains.can_turn(slot, duty):
             raise WrongEnd
         if not on_line and duty.enters and self._queues(slot, duty):
-            self._agenda.put(step + round(PORTAL_RETRY_S / STEP_S), AgendaKind.DUTY, stock_id)
+            self._agenda.put(step + RETRY_STEPS, AgendaKind.DUTY, stock_id)
             return
         self._next[stock_id] += 1
         if not on_line and duty.enters:
@@ -253,6 +255,8 @@ class Duties:
         """A unit has booted: its crew will enter the train number again, and does nothing else before."""
         for pause in Pause:
             self._due.pop((pause, slot), None)
+        if slot in self._looks_again:
+            self._looks_again[slot] = False  # until it is accepted again
         on_line = self._trains.duties[slot] is not None and self._trains.truths[slot].active
         if on_line or self._stage[slot] is StockStage.WAITING:
             self._begins(Pause.BOOT, slot, step)
@@ -380,8 +384,9 @@ class Duties:
     def _enter(self, slot: int, duty: Duty, step: int) -> None:
         """Through the portal, if nothing stands there."""
         if self._trains.stands_in(duty.mission.spans[0].section_id):
-            again = step + round(PORTAL_RETRY_S / STEP_S)
-            self._agenda.put(again, AgendaKind.DUTY, self._trains.stock_ids[slot])
+            if slot not in self._looks_again:
+                self._agenda.put(step + RETRY_STEPS, AgendaKind.DUTY, self._trains.stock_ids[slot])
+            self._looks_again[slot] = True
             return
         self._put_on_line(slot, duty, step)
 
@@ -470,10 +475,7 @@ class Duties:
         self._leave(slot, step)
 
     def haul_away(self, slot: int, step: int) -> None:
-        """Staff take a train off the line whose unit has no power; nothing where it does not stand in a portal alone.
-
-        Neither they nor the train tell the manager of it: the contact at the boundary does, or persons do.
-        """
+        """Staff take a train without power out of a portal where it stands alone; the manager is not told."""
         under = self._trains.sections_under().get(self._trains.stock_ids[slot], ())
         stands = self._stage[slot] is StockStage.ON_LINE and float(self._trains.plants[slot].speed_mps) == 0.0
         if stands and slot in self._on_board.unpowered and self._portals.issuperset(under):

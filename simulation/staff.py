@@ -17,6 +17,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from math import inf
 from typing import Final
 
 from network.model import SectionKind
@@ -69,8 +70,8 @@ class Staff:
         self._setup, self._injector = world.setup, injector
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
         self._pauses: Final = Pauses(world.setup)
-        self._next_look = 0
-        self._word_from_s = 0.0  # before, what was granted may be on the air, and nobody's word is taken
+        self._next_look: float = -inf
+        self._word_from_s = -inf  # before, what was granted may be on the air, and nobody's word is taken
         self._from_s: dict[tuple[Pause, str], float] = {}  # when people act on what they have seen
         self._restores = False  # the manager has lost the picture of the line
         self._stage: ReentryStage | None = None  # of its re-entry; None: nobody looks at it yet
@@ -220,13 +221,13 @@ class Staff:
 
     def _act_as_seen(self, t_s: float, look: Callable[[], Act | None]) -> None:
         """Do what is seen to be needed; who comes to do it looks again, and does what is needed then, if anything."""
-        if (act := look()) is None or t_s < self._again_s.get(key := (act.kind, act.target, act.person), 0.0):
+        if (act := look()) is None or t_s < self._again_s.get(key := (act.kind, act.target, act.person), t_s):
             return
         kind, _, person = key
         self._tries[key] += 1
         self._again_s[key] = t_s + AGAIN_S * min(self._tries[key], TIRED_AFTER)
         # Nobody says two things at once.
-        from_s = max(t_s + STEP_S, self._speaks_until_s.get(person, 0.0))
+        from_s = max(t_s + STEP_S, self._speaks_until_s.get(person, t_s))
         at_s = round(from_s + self._pauses.steps(Pause.WORD, person) * STEP_S, 1)
         self._speaks_until_s[person] = at_s
 

@@ -24,7 +24,7 @@ from wayside import barring, reentry
 from wayside.actions import Show
 from wayside.barring import person_key
 from wayside.reentry import Step
-from wayside.register import Register, RegisteredUnit, UnitStanding
+from wayside.register import AT_ONCE_S, Register, RegisteredUnit, UnitStanding
 from wayside.said import (
     AcceptPicture,
     Barred,
@@ -109,7 +109,7 @@ def _bar(register: Register, event: BarUnit | UnbarUnit, now_s: float) -> Step:
         return replace(_shut_out(register, event), barred_s=now_s), (
             Show(Barred(unit_id=unit_id, by=event.person)),
         )
-    return replace(register, ask_at_s=0.0), (Show(Unbarred(unit_id=unit_id, by=event.person)),)
+    return replace(register, ask_at_s=AT_ONCE_S), (Show(Unbarred(unit_id=unit_id, by=event.person)),)
 
 
 def _shut_out(register: Register, event: BarUnit) -> Register:
@@ -248,7 +248,7 @@ def _doubt_speaker(register: Register, event: ConfirmOutside | ConfirmHolding) -
         return register, (senseless,)
     register = reentry.with_word(register, person_key(event.person), unit_id, section_ids, _place(event))
     if unit_id not in register.doubted:
-        register = replace(register, doubted={**register.doubted, unit_id: 0}, ask_at_s=0.0)
+        register = replace(register, doubted={**register.doubted, unit_id: 0}, ask_at_s=AT_ONCE_S)
     alone = reentry.agreed(register, unit_id) is None
     if alone or register.doubted[unit_id] < ASKED_IN_VAIN:
         return register, (_refused(event, _SECOND_PERSON if alone else _STILL_ASKED),)
@@ -268,7 +268,7 @@ def _take_back(register: Register, event: TakeBack) -> Step:
     )
     register = register.with_unit(event.unit_id, unknown)
     # It may be on the line after all, so one person's word does not suffice the next time.
-    register = replace(register, ledger=register.ledger | {event.unit_id}, ask_at_s=0.0)
+    register = replace(register, ledger=register.ledger | {event.unit_id}, ask_at_s=AT_ONCE_S)
     return register, (Show(TakenBack(unit_id=event.unit_id, by=event.person)),)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Final, NamedTuple
 
 from wayside.certificate import CertificateProof, finishing_order
@@ -303,7 +304,7 @@ def played_through(
     moves: list[PlayedMove] = []
     for mover in (*begins, *found.order):
         hop = days.hops[mover][at[mover]]
-        leaves_s = max(ready_s[mover], hop.departs_s, *(free_s.get(b, 0.0) for b in bits_of(hop.move.needs)))
+        leaves_s = max(ready_s[mover], hop.departs_s, *(free_s.get(b, -inf) for b in bits_of(hop.move.needs)))
         comes_s = leaves_s + hop.arrives_s - hop.departs_s
         free_s.update(dict.fromkeys(bits_of(hop.move.needs | holds[mover]), comes_s))
         holds[mover] = hop.move.keeps

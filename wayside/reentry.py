@@ -38,7 +38,7 @@ from msgspec.structs import replace
 
 from wayside.actions import Action, Show
 from wayside.config import ReentryMode
-from wayside.register import Reentry, ReentryStage, Register, RegisteredUnit, UnitStanding
+from wayside.register import AT_ONCE_S, Reentry, ReentryStage, Register, RegisteredUnit, UnitStanding
 from wayside.said import ConfirmedByHand, Contradicted, Outside, PictureChanged, Swept, ToBeSwept
 
 Step = tuple[Register, tuple[Action, ...]]
@@ -374,7 +374,7 @@ def on_line_after_all(register: Register, unit_id: str, epoch: int) -> Step:
         UnitStanding.UNKNOWN, epoch, claim_needed=register.unit(unit_id).claim_needed, taken_back=True
     )
     register, locked = to_be_swept(register.with_unit(unit_id, unit), register.plan.order)
-    register = replace(register, ledger=register.ledger | {unit_id}, ask_at_s=0.0)
+    register = replace(register, ledger=register.ledger | {unit_id}, ask_at_s=AT_ONCE_S)
     why = "it counts as outside, and signs on without knowing what it holds"
     return register, (Show(Contradicted(unit_id=unit_id, why=why)), *locked)
 

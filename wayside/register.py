@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Final
 
 import msgspec
 from msgspec.structs import replace
@@ -22,6 +23,8 @@ from wayside.barring import NO_BARS, Bars
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry
 from wayside.journeys import NEW, UNKNOWN, DayProgress, Days, LastCertificate, LastSearch, days_of
 from wayside.order_question import LastOrder, OrderSolver, without_solver
+
+AT_ONCE_S: Final = -86_400.0  # no run begins so long before midnight
 
 # Why a request is not granted, and the section and the unit in its way.
 Against = tuple[RefusalReason, str | None, str | None]
@@ -158,7 +161,7 @@ class Register(msgspec.Struct, frozen=True):
     holders: Mapping[str, str] = msgspec.field(default_factory=dict[str, str])
     units: Mapping[str, RegisteredUnit] = msgspec.field(default_factory=dict[str, RegisteredUnit])
     started_s: float | None = None
-    ask_at_s: float = 0.0
+    ask_at_s: float = AT_ONCE_S
     restoring: bool = False
     ledger: frozenset[str] = frozenset()
     bars: Bars = NO_BARS

@@ -23,6 +23,7 @@ TABLE_BYTES_MAX: Final = (
 )  # of one table, unpacked: a national feed has more, a railway's line far less
 ARCHIVE_FILES_MAX: Final = 1000
 _CHUNK: Final = 1 << 16
+csv.field_size_limit(TABLE_BYTES_MAX)  # a feed of ours carries a timetable's head in one field
 _DAMAGED: Final = (
     zipfile.BadZipFile,
     zlib.error,

@@ -81,6 +81,6 @@ def _start(item: ScriptedFault | Act) -> str:
 
 
 def clock_of(step: int) -> str:
-    """The time of a step as files have it, to a tenth of a second."""
-    tenth = step % STEPS_PER_S
-    return clock(step // STEPS_PER_S) + (f".{tenth}" if tenth else "")
+    """The time of a step as files have it, to a tenth of a second; before midnight with a minus."""
+    whole, tenth = divmod(abs(step), STEPS_PER_S)
+    return ("-" if step < 0 else "") + clock(whole) + (f".{tenth}" if tenth else "")

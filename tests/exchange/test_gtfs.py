@@ -7,6 +7,7 @@ import io
 import json
 import zipfile
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -329,6 +330,14 @@ def test_a_shipped_timetable_comes_back_as_it_was(tmp_path: Path, name: str) -> 
     timetable, line_name = shipped(name)
     back, _, why = again(tmp_path, timetable, line_name)
     assert back == timetable, why
+
+
+def test_a_timetable_with_a_long_head_comes_back_as_it_was(tmp_path: Path) -> None:
+    timetable, line_name = shipped("busy_line")
+    head = timetable.head.model_copy(update={"sources": ["x" * 400] * 400})  # 160 kB in one field
+    back, _, why = again(tmp_path, replace(timetable, head=head), line_name)
+    assert back is not None, why
+    assert back.head == head
 
 
 @pytest.mark.parametrize("name", ["karasuyama_weekday", "busy_line"])

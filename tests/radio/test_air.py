@@ -24,6 +24,10 @@ def test_the_default_air_delivers_everything_one_step_later() -> None:
     assert send(Air(AirParameters(), 1), 5) == [(Delivery(step + 1, b"x" * 40),) for step in range(5)]
 
 
+def test_what_is_sent_before_midnight_arrives_before_midnight() -> None:
+    assert Air(AirParameters(), 1).transmit(-4800, "a", "b", b"x", True) == (Delivery(-4799, b"x"),)
+
+
 def test_no_coverage_no_delivery_and_no_draw() -> None:
     parameters = AirParameters(delay_mean_s=1.0)
     one, other = Air(parameters, 1), Air(parameters, 1)

@@ -14,7 +14,7 @@ from onboard.duty.records import DutyPhase, EntryAllowed, Finished, LeftLine, Sw
 from simulation.agenda import Agenda, AgendaKind
 from simulation.cabs import Cabs
 from simulation.carriers.plain_track import PlainTrack
-from simulation.duties import PORTAL_RETRY_S, Duties, StockStage
+from simulation.duties import RETRY_STEPS, Duties, StockStage
 from simulation.events import Entered, Left, PowerOff, PowerOn
 from simulation.journal import Journal
 from simulation.people import Pause, People
@@ -156,13 +156,44 @@ def test_a_stock_that_is_accepted_waits_until_nothing_truly_stands_there(yard: Y
     yard.accept(1, AT)
     assert yard.trains.active() == [0]
     assert yard.stage(1) is StockStage.WAITING
-    again = AT + round(PORTAL_RETRY_S / STEP_S)
+    again = AT + RETRY_STEPS
     assert again in [item.step for item in yard.agenda._heap if item.kind is AgendaKind.DUTY]
     yard.duties.take_up(1, again)
     assert yard.trains.active() == [0]
     yard.trains.remove(0)
     yard.duties.take_up(1, again + 100)
     assert yard.trains.active() == [1]
+
+
+@pytest.mark.parametrize("boots", [False, True])
+def test_a_unit_that_dies_before_a_portal_that_is_taken_comes_in_once_it_is_accepted_again(
+    yard: Yard, boots: bool
+) -> None:
+    for slot in (0, 1):
+        yard.duties.take_up(slot, AT)
+        yard.accept(slot, AT)
+    again = AT + RETRY_STEPS
+    yard.cabs.power_off(1, AT + 10)
+    if boots:
+        yard.duties.power_on(1, AT + 20)
+    yard.trains.remove(0)
+    yard.duties.take_up(1, again)
+    assert yard.trains.active() == []
+    if not boots:
+        yard.duties.power_on(1, again + 10)
+    yard.accept(1, again + 20)
+    assert yard.trains.active() == [1]
+
+
+def test_who_has_come_in_since_does_not_look_at_its_portal_again(yard: Yard) -> None:
+    for slot in (0, 1):
+        yard.duties.take_up(slot, AT)
+        yard.accept(slot, AT)
+    yard.trains.remove(0)
+    yard.accept(1, AT + 20)
+    yard.duties.take_up(1, AT + RETRY_STEPS)
+    assert yard.trains.active() == [1]
+    assert yard.stage(1) is StockStage.ON_LINE
 
 
 def test_stock_queues_before_its_portal(yard: Yard) -> None:

@@ -1,5 +1,7 @@
 """The order of trains: kept while the train that is first is not too late, changed by its rule, and never for ever."""
 
+import dataclasses
+
 import pytest
 from msgspec.structs import replace
 
@@ -7,7 +9,7 @@ from radio.messages import RefusalReason, RouteGranted, RouteRefused
 from tests.wayside.loop_line import Play, config_of
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress
-from wayside.order import is_disturbed
+from wayside.order import is_disturbed, played_through
 from wayside.order_question import LastOrder, OrderAnswer
 from wayside.places import stands_of
 from wayside.said import HeldBack, OrderChanged
@@ -178,3 +180,18 @@ def test_the_order_never_grants_what_the_certificate_refuses() -> None:
         play.now_s = 99.0
         assert isinstance(play.asks(1), RouteRefused) is certificate
         assert play.finishes() is certificate
+
+
+def test_a_day_is_played_through_before_midnight_too() -> None:
+    """The first leaves its track 900 s before midnight, as planned, and the second when the line is free again."""
+    play = play_of(OrderRule.LEAST_DELAY)
+    days = play.register.days
+    assert days is not None
+    hops = tuple(
+        tuple(replace(hop, departs_s=hop.departs_s - 1000.0, arrives_s=hop.arrives_s - 1000.0) for hop in own)
+        for own in days.hops
+    )
+    register = replace(play.register, now_s=-2000.0)
+    moves = played_through(register, dataclasses.replace(days, hops=hops), stands_of(register, days))
+    assert moves is not None
+    assert [move.leaves_s for move in moves] == [FIRST_DUE_S - 1000.0, FIRST_DUE_S - 940.0]
