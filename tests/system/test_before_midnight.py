@@ -6,8 +6,6 @@ import re
 from pathlib import Path
 from typing import Any, Final
 
-import pytest
-
 from console.session import Session
 from network.clock import clock
 from network.files.shipped import shipped_timetable
@@ -16,8 +14,6 @@ from scenario.script_file import time_of
 from simulation.setup import STEPS_PER_S
 from study.drilling.drill import run_drill
 from study.runner.run import PartyLink
-
-pytestmark = pytest.mark.system
 
 TEN_S: Final = 36_000  # the first departure of the shipped timetable
 DEEDS: Final[tuple[tuple[int, dict[str, Any]], ...]] = (
