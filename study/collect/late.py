@@ -9,7 +9,7 @@ from network.clock import clock
 from simulation.late_day import DrawnDisturbance, counts_of, late_day
 from simulation.result import RunResult
 from simulation.setup import Setup
-from study.measures.day_figures import day_figures
+from study.measures.day_figures import late_figures
 from study.record.parts import PagePart, TextTable
 from study.wording.catalogue import phrase
 from study.wording.parties import party
@@ -27,7 +27,7 @@ _HEAD: Final = (
 
 def late_summary(result: RunResult, setup: Setup) -> dict[str, Any]:
     """The key `late`: every thing drawn in a sentence, how many from each table, and whose fault lateness was, s."""
-    day, figures = late_day(setup), day_figures(result, setup)
+    day, figures = late_day(setup), late_figures(result, setup)
     return {
         "drawn": [one.sentence for one in day.drawn],
         "counts": counts_of(day),

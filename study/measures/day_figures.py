@@ -89,6 +89,14 @@ class DayFigures(msgspec.Struct, frozen=True):
 
 def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     """The figures of a day that was run."""
+    figures = late_figures(result, setup)
+    cut = bool(figures.missing or figures.cancelled or figures.shortened)
+    closed_min, warned_s = _roads(result, setup, cut=cut)
+    return msgspec.structs.replace(figures, closed_road_min=closed_min, least_warned_s=warned_s)
+
+
+def late_figures(result: RunResult, setup: Setup) -> DayFigures:
+    """Those of its trains; of its roads nothing is told."""
     figures = figures_of_stops(result.stops, setup.timetable, setup.latest_end_s)
     grown = delays.delays_of(result, setup)
     end_s = setup.latest_end_s
@@ -98,9 +106,6 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
     never_s = [one.grown_s for one in begun if one.at_s >= end_s]
     recoveries = (*recoveries_s((one.at_s for one in begun if one.at_s < end_s), stretches), *never_s)
     lengths_s = [stretch.length_s for stretch in stretches]
-    closed_min, warned_s = _roads(
-        result, setup, cut=bool(figures.missing or figures.cancelled or figures.shortened)
-    )
     return msgspec.structs.replace(
         figures,
         primary_s=_sum(grown, "primary_s"),
@@ -113,8 +118,6 @@ def day_figures(result: RunResult, setup: Setup) -> DayFigures:
         recovered=all(stretch.over for stretch in stretches),
         drawn=tuple(counts_of(late_day(setup)).items()),
         deadlock=deadlock.deadlocked(result),
-        closed_road_min=closed_min,
-        least_warned_s=warned_s,
     )
 
 

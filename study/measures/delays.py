@@ -22,6 +22,7 @@ from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, EventType, 
 from simulation.faults.script import ScriptedFault
 from simulation.result import RunResult, StopRecord
 from simulation.setup import STEPS_PER_S, Setup
+from study.measures.register_holds import is_of_crossing
 from wayside.said import Accepted, Granted, Refused
 
 SIGNS_ON_S: Final = 5.0  # so soon a train at its portal is on the line, if nothing stands in its way
@@ -138,7 +139,8 @@ def delays_of(result: RunResult, setup: Setup) -> tuple[LatenessGrowth, ...]:
         max(setup.latest_end_s, result.end_step / STEPS_PER_S),
     )
     for entry in result.journal.entries:
-        seen.take(entry)
+        if not is_of_crossing(entry.event):
+            seen.take(entry)
     for course in result.courses:
         if isinstance(course.item, ScriptedFault):
             to_s = end_s if course.over_s is None else course.over_s

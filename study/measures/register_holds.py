@@ -10,11 +10,13 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, get_args
 
 from network.model import Direction, Line
 from onboard import notes
-from radio.noted import Sent, TookEffect
+from onboard.crossing_notes import CrossingNote
+from radio.messages import CrossingMessage
+from radio.noted import Noted, Sent, TelegramNoted, TookEffect
 from simulation.events import MANAGER, JournalEntry
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
@@ -24,6 +26,7 @@ from wayside import said
 ROUTE_REQUEST: Final = "RouteRequest"
 SIGNS_ON: Final = ("SignOn", "Claim")
 POINTS_COMMAND: Final = "PointsCommand"
+_TO_CROSSINGS: Final = frozenset(kind.__name__ for kind in get_args(CrossingMessage))
 COUNTS_WAITING = False  # off: what is waited for while another has it is no part of an occupation
 
 
@@ -31,13 +34,20 @@ def section_holds(result: RunResult, line: Line, lengths_m: Mapping[str, float])
     """Every section that the register had as a unit's, in the order of the grants; `lengths_m` of stock, m."""
     register = _Register(result.begin_step / STEPS_PER_S)
     for entry in result.journal.entries:
-        register.take(entry)
+        if not is_of_crossing(entry.event):
+            register.take(entry)
     visits = visits_of(result, line, lengths_m)
     for hold in register.holds:
         own = visits.get(hold.unit, ())
         hold.visit = _visit(hold, own)
         hold.number = _number(hold, own)
     return tuple(register.holds)
+
+
+def is_of_crossing(event: Noted) -> bool:
+    """Whether it is between a unit and a level crossing, which changes nothing of sections or of who waits for them."""
+    telegram = isinstance(event, TelegramNoted) and event.kind in _TO_CROSSINGS
+    return telegram or isinstance(event, CrossingNote)
 
 
 def _visit(hold: SectionHold, visits: Iterable[SectionVisit]) -> SectionVisit | None:

@@ -9,12 +9,10 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Final, get_args
+from typing import Any, Final
 
 from onboard import notes
-from onboard.crossing_notes import CrossingNote
-from radio.messages import CrossingMessage
-from radio.noted import Lost, LostWhere, Noted, Sent, TelegramNoted, TookEffect
+from radio.noted import Lost, LostWhere, Noted, Sent, TookEffect
 from simulation import events
 from simulation.clock import Clock
 from simulation.events import MANAGER, JournalEntry
@@ -37,7 +35,6 @@ class DutyStage(Enum):
 
 
 EMERGENCY_LEVEL: Final = 2
-_TO_CROSSINGS: Final = frozenset(kind.__name__ for kind in get_args(CrossingMessage))
 _ASKS: Final[Mapping[str, AwaitedRequest]] = {
     "SignOn": AwaitedRequest.SIGN_ON,
     "SignOff": AwaitedRequest.SIGN_OFF,
@@ -372,9 +369,3 @@ def subject_of(entry: JournalEntry) -> str:
             return unit
         case _:
             return entry.who
-
-
-def is_of_crossing(event: Noted) -> bool:
-    """Whether it is between a unit and a level crossing, which changes no view."""
-    telegram = isinstance(event, TelegramNoted) and event.kind in _TO_CROSSINGS
-    return telegram or isinstance(event, CrossingNote)

@@ -24,10 +24,10 @@ from simulation.events import MANAGER, JournalEntry
 from simulation.result import EnergyPhase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.roster import Duty, drawn_up
-from study.measures.register_holds import SectionHold
+from study.measures.register_holds import SectionHold, is_of_crossing
 from study.measures.stretches import DayStretch, stretches
 from study.measures.wait_history import RegisterHistory
-from study.measures.wait_view import DutyStage, StockView, WaitingRequest, is_of_crossing, subject_of
+from study.measures.wait_view import DutyStage, StockView, WaitingRequest, subject_of
 from study.measures.where import Whereabouts
 from study.record.wait import AwaitedRequest, Cause, Wait
 

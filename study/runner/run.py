@@ -157,6 +157,7 @@ class RunOptions:
     elsewhere: Elsewhere | None = None
 
 
+@collecting_rarely()
 def run_to_end(
     scenario: Scenario, course: RunOptions, progress: Progress | None = None
 ) -> tuple[Setup, RunResult]:
@@ -176,10 +177,7 @@ def run_to_end(
         last = setup.day >= scenario.setup.tuning.days
         state = course.folder / f"day-{setup.day}"
         state.mkdir()
-        with (
-            parties_of(course.link, setup.line.id, specs, state, course.elsewhere) as own,
-            collecting_rarely(),
-        ):
+        with parties_of(course.link, setup.line.id, specs, state, course.elsewhere) as own:
             parties = own if course.watch is None else course.watch(own)
             simulation = Simulation(
                 setup,
@@ -200,6 +198,7 @@ def run_to_end(
         setup = setup.next_day(result.learned)
 
 
+@collecting_rarely()
 def execute(
     scenario: Scenario,
     link: PartyLink,
