@@ -1,6 +1,8 @@
 """What exploring a crossing whole finds: one train, and every state of device, unit, air, equipment and driver."""
 
+import re
 from collections import Counter, deque
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +15,7 @@ from verify.crossing.explored_crossing import CrossingBudgets, ExploredCrossing
 from verify.crossing.gate import BROKEN, RoadRule
 from verify.search import search
 
+PAGE = Path(__file__).parents[2] / "docs" / "signal-engineer.md"
 NOTHING_FAILS = (True, CrossingBudgets())
 AT_NIGHT = (
     *((barriers, CrossingBudgets(loss=1)) for barriers in (True, False)),
@@ -31,12 +34,26 @@ AT_NIGHT = (
 def test_no_train_comes_onto_an_open_road_and_each_passes(barriers: bool, budgets: CrossingBudgets) -> None:
     found = explore_crossing(ExploredCrossing(barriers, budgets))
     assert found.holds, (found.broken, found.dead, found.story)
+    assert told(barriers, budgets) == f"{found.space.states.size:,}"
+
+
+def told(barriers: bool, budgets: CrossingBudgets) -> str:
+    """How many states the page says that there are."""
+    text = "/".join(str(number) for number in budgets)
+    while text.count("/") > 2 and text.endswith("/0"):
+        text = text.removesuffix("/0")
+    page = PAGE.read_text("utf-8").partition("## Every state of a level crossing")[2]
+    before = "^" if barriers else r"\| "
+    rows = re.findall(rf"{before}\| `{text}` \| ([\d,]+) \|", page, re.MULTILINE)
+    return "".join(rows)
 
 
 @pytest.mark.nightly
 def test_with_a_loss_a_power_cut_and_both_networks_lost() -> None:
-    found = explore_crossing(ExploredCrossing(budgets=CrossingBudgets(loss=1, power=1, carriers=1)))
+    budgets = CrossingBudgets(loss=1, power=1, carriers=1)
+    found = explore_crossing(ExploredCrossing(budgets=budgets))
     assert found.holds, (found.broken, found.dead, found.story)
+    assert told(True, budgets) == f"{found.space.states.size:,}"
 
 
 OPEN, TOO_SOON, OPENS = (BROKEN[rule] for rule in (RoadRule.OPEN, RoadRule.TOO_SOON, RoadRule.OPENS))

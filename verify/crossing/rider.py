@@ -143,6 +143,8 @@ class RiderModel:
         talk, place = CrossingTalk(forgot=state.booted), self.place(state) if state.known else None
         if state.view is not None:
             talk._views[CROSSING] = state.view
+            if state.view.phase is not CrossingPhase.AHEAD:
+                talk._announced[CROSSING] = None
         if state.correlation:
             talk._correlations[CROSSING] = state.correlation
         if place is not None and not place.clear and state.view is not None:
