@@ -91,9 +91,8 @@ class Staff:
         self._waits_at: dict[str, str] = {}  # by points: the unit whose crew waits for them to lie otherwise
         self._forgetful: set[str] = set()  # units that have booted since they were granted anything
         self._left: set[str] = set()  # units that were on the line
-        self._reported: set[str] = (
-            set()
-        )  # level crossings over which trains had to creep, or that drivers saw open
+        # Level crossings over which trains had to creep, or that drivers saw open.
+        self._reported: set[str] = set()
         self._again_s: dict[tuple[ActKind, str, str], float] = {}
         self._tries: Counter[tuple[ActKind, str, str]] = Counter()
         self._roads = roads
