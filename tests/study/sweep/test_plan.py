@@ -21,16 +21,7 @@ from study.sweep.draws import check_draw, drawn_value, value_at
 from study.sweep.plan import SweepPlan, load_plan
 from study.sweep.point import scenario_text
 from tests.conftest import Ended
-from tests.study.sweep.conftest import SWEEP
-
-DRAW = """
-[[draw]]
-name = "shortest_stop"
-key = "unit.dwell_min_s"
-distribution = "uniform"
-low = 20.0
-high = 40.0
-"""
+from tests.study.sweep.conftest import DRAW, SWEEP
 
 
 def plan_of(folder: Path, text: str, carrier: str | None = None) -> SweepPlan:
