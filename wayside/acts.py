@@ -19,7 +19,7 @@ from typing import Any, Final
 from msgspec.structs import replace
 
 from radio.envelope import CLOCK_SKEW_MAX_S
-from radio.messages import AnyMessage, Claim
+from radio.messages import AnyMessage, Claim, SignOn
 from wayside import barring, reentry
 from wayside.actions import Show
 from wayside.barring import person_key
@@ -84,14 +84,21 @@ def act(register: Register, event: Act, now_s: float) -> Step:
 
 def spoke(register: Register, unit_id: str, epoch: int, message: AnyMessage) -> Step:
     """A unit is heard of which a person has said something after it had reported: no word counts, unless it does not
-    know itself, or says after another boot than signed off that it holds nothing, which does not count.
+    know itself, or says that it holds nothing and may enter nowhere; that does not count either, but of the boot that
+    has signed off.
     """
     unit = register.unit(unit_id)
-    another_boot = unit.standing is UnitStanding.LEAVING and epoch != unit.epoch
-    says_nothing = isinstance(message, Claim) and (
-        message.section_ids is None or (another_boot and not message.section_ids)
-    )
-    if says_nothing or unit_id not in register.doubted:
+    left = unit.standing is UnitStanding.LEAVING and epoch == unit.epoch
+    claimed = message.section_ids if isinstance(message, SignOn | Claim) else ("",)
+    outside = claimed is not None and (not claimed or register.asks_to_enter(unit_id, claimed))
+    if claimed is None or (outside and not left):
+        return register, ()
+    return speaks(register, unit_id)
+
+
+def speaks(register: Register, unit_id: str) -> Step:
+    """What persons have said of a unit that had reported counts no more."""
+    if unit_id not in register.doubted:
         return register, ()
     register = reentry.without_words(register.without_doubt(unit_id), unit_id)
     return register, (Show(Refused(unit_id=unit_id, why=SPEAKS)),)

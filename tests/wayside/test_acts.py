@@ -24,6 +24,7 @@ from wayside.config import ManagerConfig, SectionEntry
 from wayside.register import Register, UnitStanding, start
 from wayside.said import (
     AcceptPicture,
+    Accepted,
     ConfirmedByHand,
     ConfirmHolding,
     ConfirmOutside,
@@ -293,6 +294,34 @@ def test_a_unit_that_answers_voids_the_words(message: AnyMessage) -> None:
     assert desk.act(outside("Sato")) == [Refused]
     assert desk.register.held_by("u1") == ("A", "B")
     assert desk.register.doubted == {"u1": 0}  # asked anew
+
+
+@pytest.mark.parametrize("message", [Claim((), 0), SignOn("u1", ("Q",))])
+def test_a_unit_that_is_outside_frees_what_one_person_entered_for_it_wrongly(message: AnyMessage) -> None:
+    """Taken back, and the unit says that it holds nothing: with two persons who say so it is held no more."""
+    desk = Desk(UnitStanding.BY_HAND)
+    desk.claim("u2", "E", "Q")  # where u1 may not enter
+    desk.act(TakeBack("u1", "Sato"))
+    desk.claim("u1")
+    assert desk.noted == [Contradicted, Accepted]
+    assert desk.register.held_by("u1") == ("A", "B")
+    desk.agree(outside)
+    for _ in range(ASKED_IN_VAIN):
+        desk.ask()
+        desk.hear(message)
+        assert desk.register.held_by("u1") == ("A", "B")  # by its own word nothing is freed
+    assert desk.act(outside("Sato")) == [Freed, ToBeSwept, Outside]
+
+
+def test_words_of_a_unit_that_has_entered_since_count_no_more() -> None:
+    desk = Desk(UnitStanding.BY_HAND)
+    desk.act(TakeBack("u1", "Sato"))
+    desk.claim("u1")
+    desk.agree(outside)
+    desk.ask(ASKED_IN_VAIN)
+    assert SignOnAccepted in map(type, desk.hear(SignOn("u1", ("P",))))
+    assert desk.act(outside("Sato")) == [Refused]
+    assert "P" in desk.register.held_by("u1")
 
 
 def test_where_it_stands_in_a_station_counts_too() -> None:

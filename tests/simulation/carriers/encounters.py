@@ -154,7 +154,13 @@ def _is_ahead(carrier: Carrier, turned: Going, trains: Sequence[Going]) -> bool:
 
 
 def _truths(carrier: Carrier, trains: Sequence[Going]) -> tuple[Truth, ...]:
-    return tuple(
-        Truth(t.piece_id, t.direction, round(t.offset_m, 6), round(t.speed_mps, 6))
-        for t in (carrier.truth(train.unit_id) for train in trains)
-    )
+    return tuple(_rounded(carrier.truth(train.unit_id), train) for train in trains)
+
+
+def _rounded(truth: Truth, train: Going) -> Truth:
+    """A front on a joint is on the piece that it comes to, as on plain track; SUMO has it on the one before."""
+    at, offset_m = train.way.index(truth.piece_id), round(truth.offset_m, 6)
+    ahead = train.way[at + 1 :] if truth.direction is train.direction else train.way[:at][::-1]
+    if ahead and offset_m == round(LENGTHS_M[truth.piece_id], 6):
+        return Truth(ahead[0], truth.direction, 0.0, round(truth.speed_mps, 6))
+    return Truth(truth.piece_id, truth.direction, offset_m, round(truth.speed_mps, 6))
