@@ -67,15 +67,18 @@ class _Played:
             else:
                 self._asks(k, now_s)
             for other, until_s in self._day.given_back.items():
-                self._events = [event for event in self._events if event[1] != other]
-                self._events.append((until_s, other, False))
-                heapq.heapify(self._events)
+                self._events = sorted(event for event in self._events if event[1] != other)
+                self._put(until_s, other)
             self._day.given_back.clear()
         for k, moves in enumerate(self._day.moves):
             last = {move.train: move for move in moves[self._day.at[k] :]}
             self.lost_s += sum(LAST_S - move.arrives_s for move in last.values())
         self.lost_s += self.cut_s
         self.waited_s += self.cut_s
+
+    def _put(self, at_s: float, k: int, *, comes: bool = False) -> None:
+        """To the millisecond, so that rounding does not decide who asks first."""
+        heapq.heappush(self._events, (round(at_s, 3), k, comes))
 
     def _ready(self, k: int, ready_s: float) -> None:
         """A stock asks when its next move is due and it is ready, or its doors are shut."""
@@ -84,7 +87,7 @@ class _Played:
             self._due_s[k] = move.departs_s
             due_s, open_s = max(move.departs_s, ready_s), self._open_s(k, move)
             self._doors_s[k] = due_s + open_s
-            heapq.heappush(self._events, (due_s if self._held else due_s + open_s, k, False))
+            self._put(due_s if self._held else due_s + open_s, k)
 
     def _open_s(self, k: int, move: JourneyMove) -> float:
         return doors_s(self._seed, move, self._day.planned_at[k][self._day.at[k]], self._share)
@@ -100,13 +103,13 @@ class _Played:
             self._ready(k, ready_s)
             return
         if not granted:
-            heapq.heappush(self._events, (now_s + AGAIN_S, k, False))
+            self._put(now_s + AGAIN_S, k)
             return
         waited_s = now_s - self._asked_s.pop(k)
         self.waited_s, self.longest_s = self.waited_s + waited_s, max(self.longest_s, waited_s)
         move, leaves_s = self._day.moves[k][self._day.at[k]], max(now_s, self._doors_s[k])
         self._day.leaves_s[k] = leaves_s
-        heapq.heappush(self._events, (leaves_s + move.arrives_s - move.departs_s, k, True))
+        self._put(leaves_s + move.arrives_s - move.departs_s, k, comes=True)
 
     def _comes(self, k: int, now_s: float) -> None:
         move = self._day.arrives(k, now_s)

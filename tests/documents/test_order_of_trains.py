@@ -41,10 +41,10 @@ def test_the_same_rule_twice_shows_nothing(name: str) -> None:
 
 
 def test_a_kept_day_is_what_is_played() -> None:
-    for kept, again in zip(
-        KEPT["blocks"][2:4], played([day.seed for day in KEPT["blocks"][2:4]]), strict=True
-    ):
-        assert again.pair == pytest.approx(kept.pair, abs=0.06)
+    """One on which it once decided who asks first how sums of times were rounded: 8,397 min for 340."""
+    (kept,) = (day for day in KEPT["blocks"] if day.seed == 1018)
+    (again,) = played([kept.seed])
+    assert again.pair == pytest.approx(kept.pair, abs=0.06)
 
 
 @pytest.mark.nightly

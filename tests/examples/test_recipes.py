@@ -1,6 +1,7 @@
 """The recipes of docs/make-a.md, all followed in one clone: what they touch, what checks it, and what each is for."""
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -112,7 +113,7 @@ def test_the_tests_of_what_was_added_to_hold(followed: Clone) -> None:
 @pytest.mark.nightly
 def test_types_and_everything_generated_hold_too(followed: Clone) -> None:
     followed.tool("mypy")
-    followed.tool("basedpyright", *CODE)
+    followed.tool("basedpyright", "--pythonpath", sys.executable, *CODE)
     followed.succeeds("-m", "documents.structure")
     followed.succeeds("-m", "documents.generated")
 
