@@ -386,10 +386,8 @@ def _enter(
 def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claimed: tuple[str, ...]) -> Step:
     unit_id = heard.unit_id
     unit, before = register.unit(unit_id), register.held_by(unit_id)
-    empty = not claimed and isinstance(heard.message, Claim)
-    register, shown = (
-        reentry.said_outside(register, unit_id) if empty else acts.speaks(register, unit_id)
-    )
+    said = reentry.said_outside if not claimed and isinstance(heard.message, Claim) else acts.speaks
+    register, shown = said(register, unit_id)
     added = tuple(section_id for section_id in claimed if section_id not in before)
     register = register.with_held(unit_id, (*before, *added))
     held, token = register.held_by(unit_id), max(unit.token, heard.message.token)

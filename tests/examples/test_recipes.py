@@ -1,6 +1,7 @@
 """The recipes of docs/make-a.md, all followed in one clone: what they touch, what checks it, and what each is for."""
 
 import json
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,7 @@ from tests.examples.conftest import CODE, RECIPES, Clone, cloned, files_of
 
 HERE = Path(__file__).parent
 LINE_SPEED_MPS = 45.0 / 3.6
+ADDED_MAX = 400  # lines, by all recipes
 FILES_AT_MOST = {"column": 2, "command": 2, "paper": 2, "sensor": 6, "table of settings": 2}
 # What is asked of everything that an example can belong to.
 TESTS = (
@@ -113,7 +115,13 @@ def test_the_tests_of_what_was_added_to_hold(followed: Clone) -> None:
 @pytest.mark.nightly
 def test_types_and_everything_generated_hold_too(followed: Clone) -> None:
     followed.tool("mypy")
-    followed.tool("basedpyright", "--pythonpath", sys.executable, *CODE)
+    (followed.root / ".venv").symlink_to(sys.prefix)
+    followed.tool("basedpyright", *CODE)
+    ceilings = followed.root / "documents" / "ceilings.toml"
+    raised = re.sub(
+        r"(\w+_lines) = (\d+)", lambda it: f"{it[1]} = {int(it[2]) + ADDED_MAX}", ceilings.read_text("utf-8")
+    )
+    ceilings.write_text(raised, "utf-8")
     followed.succeeds("-m", "documents.structure")
     followed.succeeds("-m", "documents.generated")
 

@@ -23,8 +23,8 @@ from wayside.block_manager import AskUnits, Heard, step, wake_at_s
 from wayside.config import ManagerConfig, SectionEntry
 from wayside.register import Register, UnitStanding, start
 from wayside.said import (
-    AcceptPicture,
     Accepted,
+    AcceptPicture,
     ConfirmedByHand,
     ConfirmHolding,
     ConfirmOutside,

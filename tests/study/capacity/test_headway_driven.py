@@ -306,7 +306,9 @@ def asks_again_s(case: HeadwayCase) -> float:
     return REFUSED_REPEAT_S + UNEXPLAINED_S if waits else UNEXPLAINED_S
 
 
-SLOWER_S: Final = 0.5  # than predicted: events fall on steps, power builds up again after a limit, a brake keeps a margin
+SLOWER_S: Final = (
+    0.5  # than predicted: events fall on steps, power builds up again after a limit, a brake keeps a margin
+)
 
 
 SLOWED: Final = "OTK", HeadwayKind.DEPARTURE_ARRIVAL, "up, OTK.2", "down, OTK.2"

@@ -10,6 +10,7 @@ from study.compare.comparison import RunComparison, compare, verdict_of
 from study.compare.measures import Measure
 from study.compare.meets import MeetFate, meets_of
 from study.compare.side import read_sides
+from study.compare.times import CallEvent
 from study.runner.run import write_run
 from tests.plain import run_on_plain
 from tests.study.compare.pairs import (
