@@ -172,15 +172,9 @@ SLOW_POINTS = """
 
 
 @pytest.mark.nightly
-def test_the_slow_points_of_the_planners_page_move_two_arrivals(made: MADE) -> None:
-    """At the points alone, and by less than they take longer."""
+def test_the_slow_points_of_the_planners_page_move_arrivals_there_alone(made: MADE) -> None:
+    """Of trains for which they are thrown as they come; by less than the points take longer."""
     base, new = made("karasuyama_weekday", ""), made("karasuyama_weekday", SLOW_POINTS)
-    pair = check_against_the_tables(base, new)
-    moved = pair.times.moved
-    assert {(time.train, time.station, time.what) for time in moved} == {
-        (train, "OGN", CallEvent.ARRIVAL) for train in ("323M", "343M")
-    }
+    moved = check_against_the_tables(base, new).times.moved
+    assert {(time.station, time.what) for time in moved} == {("OGN", CallEvent.ARRIVAL)}
     assert all(1.0 < time.by_s < SLOWER_S for time in moved)
-    assert verdict_of(pair)[0].startswith(
-        "2 of 394 arrivals and departures moved by more than 1 s, 2 later and 0 earlier"
-    )
