@@ -58,6 +58,8 @@ def test_every_drill_on_the_test_line_is_met(name: str) -> None:
 
 # What these expect is the rule of whole routes itself, or the sections that a unit holds by it.
 OF_WHOLE_ROUTES = {
+    # It comes as far as Ogane, the points of which the train that stands has given back.
+    "karasuyama/61_charger_dead_leaving": ("V4, down again, is caught behind it at Karasuyama",),
     "rtri/54_tachometer_over_reads": ("nothing is given back before the arrival tag",),
     "rtri/55_unit_dead_for_good": ("and has found it empty",),
     "rtri/59_unit_barred": ("T3 does not come into its section",),
