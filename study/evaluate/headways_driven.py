@@ -38,13 +38,7 @@ from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 
 DRIVING_COUNTS = True  # off: both trains are held against the way that was predicted for them
-STEPS_COUNT = (
-    True  # off: a stop that ends otherwise because it falls on other steps is taken for being held up
-)
-LATE_S: Final = (
-    0.25  # trains stop to a few centimetres, by seed and step: who is later than that was held up,
-)
-DOUBT_S: Final = 1.0  # and who is up to so late, if alone at the very same steps it is not
+LATE_S: Final = 0.25  # trains stop to a few centimetres, by seed and step: who is later than that was held up
 LESS_S: Final = 1.0
 FAR_S: Final = 14_400  # trains so far apart do not meet
 OFF_S: Final = 64  # so far from a headway it is looked for in what trains need
@@ -206,32 +200,22 @@ class _Drive:
         if by_s not in self._late_s:
             late_s = math.inf
             for times in ways_to_ask(self._two.headway, self._spared_s):
-                both, later_s = self._both(by_s, times), by_s - self._later_s
-                held_s = self._held_up_s(both, self._way, later_s)
-                if STEPS_COUNT and LATE_S < held_s <= DOUBT_S:
-                    held_s = self._held_up_s(both, self._alone(by_s, times), 0.0)
-                late_s = min(late_s, held_s)
+                late_s = min(late_s, self._held_up_s(self._both(by_s, times), by_s - self._later_s))
                 if late_s <= LATE_S:
                     break
             self._late_s[by_s] = late_s
         return self._late_s[by_s]
 
-    def _alone(self, by_s: int, times: TwoTrainTimes) -> list[SetLeg]:
-        """The way of the second where it runs at the same steps and nobody is there."""
-        two = two_trains(self._drives.setup, self._two.headway, times)
-        legs = self._drives.legs(two.day(two.second.later(by_s)))
-        return [_as(legs, leg) for leg in self._way]
-
-    def _held_up_s(self, both: Sequence[SetLeg], way: Sequence[SetLeg], later_s: float) -> float:
+    def _held_up_s(self, both: Sequence[SetLeg], later_s: float) -> float:
         """By how much its legs among both are later at most than those of its way so much later, s."""
         late_s = -math.inf
-        for leg in way:
+        for leg in self._way:
             try:
                 own = _as(both, leg)
             except NoSuchDayError:
                 return math.inf
             late_s = max(late_s, own.departs_s - leg.departs_s - later_s)
-            if leg is not way[-1] or self._two.headway.second.arrival:
+            if leg is not self._way[-1] or self._two.headway.second.arrival:
                 late_s = max(late_s, own.arrives_s - leg.arrives_s - later_s)
         return late_s
 

@@ -326,22 +326,6 @@ def test_a_train_brakes_for_a_lower_limit_where_its_front_may_be(
         assert drives.drive_headway(row(cases, *SLOWED), searched=False).driving_s > 2 * LATE_S
 
 
-ON_OTHER_STEPS: Final = "KNY", HeadwayKind.DEPARTURE_ARRIVAL, "up, KNY.2", "down, KNY.1"
-
-
-@pytest.mark.nightly
-def test_a_stop_that_falls_on_other_steps_is_not_held_up(
-    monkeypatch: pytest.MonkeyPatch, isumi: tuple[HeadwayDrives, tuple[HeadwayCase, ...]]
-) -> None:
-    """4D alone stops up to 0.8 s sooner or later by when it comes: 0.3 s at 4,114 s, 0.1 with a second less."""
-    drives, cases = isumi
-    monkeypatch.setattr(headways_driven, "DRIVING_COUNTS", False)
-    case = row(cases, *ON_OTHER_STEPS)
-    assert drives.drive_headway(case, searched=False).kept_s <= STEP_S + TOUCH_S
-    monkeypatch.setattr(headways_driven, "STEPS_COUNT", False)
-    assert drives.drive_headway(case, searched=False).kept_s > LATE_S
-
-
 @pytest.mark.nightly
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("name", SHIPPED)
