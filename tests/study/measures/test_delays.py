@@ -154,8 +154,8 @@ def test_late_entry_is_primary_and_the_queue_outside_secondary(setup: Setup) -> 
 
 
 def test_midnight_is_a_time_as_any_other(setup: Setup) -> None:
-    """Its first departure at midnight, a train comes before it, late for another that held its way before it; and a call
-    at midnight that is cancelled is as late as stated from then.
+    """Its first departure at midnight, a train comes before it and waits for another; and a call at midnight that is
+    cancelled is as late as stated from then.
     """
 
     def lost(by_s: int) -> list[tuple[float, float, float, float]]:
