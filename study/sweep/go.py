@@ -154,6 +154,12 @@ class SweepProgress:
                 )
         return tuple(texts)
 
+    @property
+    def carriers(self) -> str:
+        """What carried the days that count: another carrier than the plan's where days were there before."""
+        found = {record.spec.carrier for _, record in self._counted()} or {self.plan.carrier.value}
+        return " and ".join(sorted(found))
+
     def _counted(self) -> Iterator[tuple[str, DayRecord]]:
         for point in self.plan.points:
             for record in self.days_counted(point):

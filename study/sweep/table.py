@@ -159,7 +159,7 @@ def summary_of(state: SweepProgress, out: Path) -> dict[str, Any]:
         "sweep": plan.table.id,
         "out": str(out),
         "scenario": plan.table.scenario,
-        "carrier": plan.carrier.value,
+        "carrier": state.carriers,
         "confidence": plan.table.confidence,
         "days": state.there,
         "days_before": state.before,
