@@ -197,16 +197,8 @@ def test_a_difference_that_is_the_same_every_day_is_none_of_chance_from_six_days
     """Six equal signs of fair coins: 2 / 2^6, three in a hundred; eight: eight in a thousand."""
     assert difference_of([(0.0, 3.0)] * days, said).apart_from_0 is apart
     # 10.4 - 10.1 and 30.5 - 30.2 differ in the last bits of what they are stored in, and in nothing else.
-    pairs = [
-        (10.1, 10.4),
-        (20.1, 20.4),
-        (30.2, 30.5),
-        (40.1, 40.4),
-        (50.1, 50.4),
-        (60.1, 60.4),
-        (70.2, 70.5),
-        (80.2, 80.5),
-    ][:days]
+    firsts = [10.1, 20.1, 30.2, 40.1, 50.1, 60.1, 70.2, 80.2]
+    pairs = [(first, round(first + 0.3, 1)) for first in firsts[:days]]
     found = difference_of(pairs, said)
     assert (found.low, found.apart_from_0) == (None, apart)
 
