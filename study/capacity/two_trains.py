@@ -14,15 +14,7 @@ from typing import Final
 
 from network.clock import first_given
 from network.model import Line, SectionKind
-from network.timetable import (
-    AtPortal,
-    BecomesTrain,
-    Call,
-    Diagram,
-    FromTrain,
-    Stabled,
-    TimetableTrain,
-)
+from network.timetable import AtPortal, BecomesTrain, Call, Diagram, FromTrain, Stabled, TimetableTrain
 from onboard.authority.tables import REFUSED_REPEAT_S
 from radio.air import AirParameters, DelayShape
 from simulation.faults.script import Script

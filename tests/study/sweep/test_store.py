@@ -9,6 +9,7 @@ import pytest
 
 import study
 from network.errors import InputError
+from study.sweep import cluster
 from study.sweep.digest import CODE
 from study.sweep.go import SweepProgress, sweep_begun
 from study.sweep.plan import load_plan
@@ -200,3 +201,11 @@ def test_day_that_sumo_carries_otherwise_fails_the_sweep(sweep_file: Path, out: 
     state = swept(sweep_file, out)
     assert len(state.failures) == 2  # the day is at both points
     assert "is another day on SUMO: another, not digest of 11" in state.failures[0]
+
+
+def test_a_worker_that_fails_without_a_word_sees_no_directory(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(out: Path, token: str) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(cluster, "check_shared", fails)
+    assert "MemoryError" in cluster.missing_on_worker("out", "token")
