@@ -90,9 +90,8 @@ def _print_bench(figures: dict[str, Any]) -> None:
         sys.stdout.write(f"{figures['computed']}\n")
     for budget in figures["budgets"]:
         kept = "kept" if budget["kept"] else "NOT KEPT"
-        sys.stdout.write(
-            f"budget: {budget['what']} at most {budget['limit']:g}: {budget['found']:g}, {kept}\n"
-        )
+        found = "nothing to measure" if budget["found"] is None else f"{budget['found']:g}"
+        sys.stdout.write(f"budget: {budget['what']} at most {budget['limit']:g}: {found}, {kept}\n")
     if "sweep" in figures:
         ran = figures["sweep"]
         sys.stdout.write(

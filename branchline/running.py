@@ -52,8 +52,7 @@ def run(
         Path | None, typer.Option("--against", help="Also say what changed since this run of the same line.")
     ] = None,
     over: Annotated[
-        float,
-        typer.Option("--over", help="With --against: list only times that moved by more than this, s."),
+        float, typer.Option("--over", help="With --against: list only times that moved by more than this, s.")
     ] = OVER_S,
     begins: Annotated[
         str | None,
@@ -68,8 +67,7 @@ def run(
     ] = None,
     out: Out = None,
     anyway: Annotated[
-        bool,
-        typer.Option("--anyway", help="Run even if `branchline check` says that the plan cannot work."),
+        bool, typer.Option("--anyway", help="Run even if `branchline check` says that the plan cannot work.")
     ] = False,
     gui: Annotated[
         bool, typer.Option("--gui", help="Watch the run in sumo-gui (extra net); the result is the same.")
@@ -137,6 +135,10 @@ def _latest(late_s: float | None) -> str:
     return "no train arrived" if late_s is None else f"{late_s:.1f} s after the timetable"
 
 
+def _earliest(early_s: float | None) -> str:
+    return "no train departed" if early_s is None else f"{early_s:.1f} s before the timetable"
+
+
 def _margin(margins: dict[str, Any] | None) -> str:
     """The hop whose timetable leaves least over the least running time, and what was left as run."""
     least, left = (None if margins is None else margins.get(f"smallest_{of}_s") for of in ("margin", "left"))
@@ -191,7 +193,7 @@ def _print_run(done: FinishedRun, report: Path) -> None:
         ("empty workings", f"{summary['empty_workings_arrived']} of {summary['empty_workings_planned']}"),
         ("latest", _latest(summary["late_s_max"])),
         *_passing(summary["late_passing_at"]),
-        ("earliest departure", f"{summary['early_departure_s_max']:.1f} s before the timetable"),
+        ("earliest departure", _earliest(summary["early_departure_s_max"])),
         ("smallest margin", _margin(summary["margins"])),
         (
             "stops",

@@ -138,7 +138,7 @@ def _explore_crossing(kind: str, config: str, states: int, *, as_json: bool) -> 
 
     if kind not in ("barriers", "warning"):
         raise InputError("--crossing", "", kind, "barriers or warning")
-    budgets = CrossingBudgets(*_numbers(config, len(CrossingBudgets._fields)))
+    budgets = CrossingBudgets(*_numbers(config, len(CrossingBudgets._fields), uncounted=""))
     began_s = time.process_time()
     found = explore_crossing(ExploredCrossing(kind == "barriers", budgets), states, _watch)
     figures, lines = _found(found, max(time.process_time() - began_s, 1e-3))
@@ -302,8 +302,7 @@ def bounds(
     without: Annotated[
         bool,
         typer.Option(
-            "--forgives",
-            help="Switch a former defect on: receivers overlook what slides and gaps may hide.",
+            "--forgives", help="Switch a former defect on: receivers overlook what slides and gaps may hide."
         ),
     ] = False,
     anywhere: Annotated[
@@ -406,11 +405,12 @@ def _line(config: str) -> ExploredLine:
     return ExploredLine(budgets=Budgets(*_numbers(config, len(Budgets._fields))))
 
 
-def _numbers(config: str, most: int) -> list[int]:
+def _numbers(config: str, most: int, uncounted: str = "any") -> list[int]:
+    """The numbers of a CONFIG; `uncounted`: the word for what may happen as often as it may, where that is explored."""
     from network.errors import InputError
     from verify.explored_line import ANY
 
-    numbers = [str(ANY) if part == "any" else part for part in config.split("/")]
+    numbers = [str(ANY) if part == uncounted else part for part in config.split("/")]
     if not 1 <= len(numbers) <= most or not all(n.isdecimal() for n in numbers):
         raise InputError("CONFIG", "", config, f"up to {most} numbers, as in 1/1/0/0")
     return [int(number) for number in numbers]

@@ -19,6 +19,7 @@ import psutil
 
 from console.aside import served
 from console.protocol import SetPace
+from network.errors import InputError
 from scenario.scenario import Scenario, load_scenario
 from study.evaluate.afresh import budget_of
 from study.runner.run import simulation_of
@@ -111,7 +112,7 @@ def _figures(
     budgets = [
         budget_of(f"server, share of a core ({trains} trains)", OF_A_CORE_MAX, of_core),
         budget_of("kB a second to a browser", KB_A_S_MAX, most),
-        budget_of("seconds between updates", round(1.0 / UPDATES_A_S_MIN, 3), round(1.0 / least, 3)),
+        budget_of("seconds between updates", round(1.0 / UPDATES_A_S_MIN, 3), _apart_s(least)),
     ]
     return {
         "scenario": scenario,
@@ -124,9 +125,16 @@ def _figures(
     }
 
 
+def _apart_s(updates_a_s: float) -> float | None:
+    """How long lies between two updates, s; None where none came."""
+    return round(1.0 / updates_a_s, 3) if updates_a_s else None
+
+
 def busiest_s(scenario: Scenario) -> tuple[float, int]:
-    """When most trains are planned to be under way, s, and how many."""
+    """When most trains are planned to be under way, s, and how many. InputError for a day without any."""
     spans = [(t.calls[0].first_s, t.calls[-1].first_s) for t in scenario.setup.timetable.trains.values()]
+    if not spans:
+        raise InputError("command line", "SCENARIO", scenario.id, "a day with trains")
     return max(((begin, sum(a <= begin < b for a, b in spans)) for begin, _ in spans), key=lambda one: one[1])
 
 

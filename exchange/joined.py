@@ -11,13 +11,7 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from exchange.geometry import (
-    SOURCE,
-    ImportedGeometry,
-    SourceStation,
-    read_geometry,
-    read_stations,
-)
+from exchange.geometry import SOURCE, ImportedGeometry, SourceStation, read_geometry, read_stations
 from network.errors import InputError
 from network.files.kinds import ROWS_MAX
 from network.files.line_schema import DIRECTIONS, GradientTable, LimitTable
@@ -98,7 +92,9 @@ def with_geometry(
     imported = read_geometry(
         polyline_file, stations_file, max_speed_kmh=max_speed_kmh, only=[at for _, at in matched]
     )
-    zero_m = 1000.0 * (matched[0][0].km or 0.0)
+    first_m = imported.stations[0].position_m
+    known = ((s, place) for (s, _), place in zip(matched, imported.stations, strict=True) if s.km is not None)
+    zero_m = next((1000.0 * (s.km or 0.0) - place.position_m + first_m for s, place in known), 0.0)
     on_axis = {
         s.id: place.position_m + zero_m for (s, _), place in zip(matched, imported.stations, strict=True)
     }

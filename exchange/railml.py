@@ -39,5 +39,6 @@ def read_railml(path: Path) -> ForeignLayout:
         raise InputError(file, "xmlns", namespace_of(root), expected)
     draft = draft_of_2(file, root) if version == "2.4" else draft_of_3(file, root)
     if not draft.pieces:
-        raise InputError(file, "", None, "railML with an infrastructure that has tracks")
+        expected = "railML with an infrastructure that has tracks: net elements with a length, of the microscopic level"
+        raise InputError(file, "", None, expected)
     return layout_of(draft, f"railML {version}, {path.name}")

@@ -79,6 +79,7 @@ class _Railml3Reader:
         title = next((e.text or "" for e in root.iter() if local_name(e) == "title"), "")
         self.draft = RailmlDraft(title)
         self.length_of: dict[str, float] = {}
+        self.coarse: set[str] = set()  # net elements of the meso- and macroscopic levels, which are no tracks
         self.joined = JoinedEnds()
         self.node_of: dict[tuple[str, int], str] = {}
         self.ends_at: dict[str, list[tuple[str, int]]] = defaultdict(list)
@@ -92,9 +93,10 @@ class _Railml3Reader:
         """Net elements as pieces of track, relations as their nodes, tracks as their names."""
         elements: list[ET.Element] = []
         for element in self.infrastructure.iterfind(f"{_NS}topology/{_NS}netElements/{_NS}netElement"):
-            if not _is_micro(element):
-                continue
             element_id = needed_attribute(self.file, element, "id")
+            if not _is_micro(element):
+                self.coarse.add(element_id)
+                continue
             length_m = needed_number(self.file, element, "length")
             if element_id in self.length_of or length_m <= 0:
                 raise InputError(
@@ -177,16 +179,19 @@ class _Railml3Reader:
         return found
 
     def _measured(self, element: ET.Element) -> Iterator[tuple[str, float, float | None]]:
-        for spot in element.iterfind(f"{_NS}spotLocation"):
+        for spot in self._on_tracks(element):
             coordinate = spot.find(f"{_NS}linearCoordinate")
             measure_m = None if coordinate is None else number(self.file, coordinate, "measure")
             yield self._element_of(spot), self._pos(spot), measure_m
 
     def _spots(self, element: ET.Element) -> Iterator[tuple[str, float]]:
         """Net elements and offsets of a thing's spots; those of other levels are left."""
-        for spot in element.iterfind(f"{_NS}spotLocation"):
-            if spot.get("netElementRef") in self.length_of:
-                yield self._element_of(spot), self._pos(spot)
+        for spot in self._on_tracks(element):
+            yield self._element_of(spot), self._pos(spot)
+
+    def _on_tracks(self, element: ET.Element) -> Iterator[ET.Element]:
+        spots = element.iterfind(f"{_NS}spotLocation")
+        return (spot for spot in spots if spot.get("netElementRef") not in self.coarse)
 
     def _element_of(self, spot: ET.Element) -> str:
         ref = needed_attribute(self.file, spot, "netElementRef")
@@ -308,7 +313,7 @@ class _Railml3Reader:
         for signal in self._functional("signalsIS", "signalIS"):
             if signal.find(f"{_NS}isStopPost") is not None:
                 continue
-            for spot in signal.iterfind(f"{_NS}spotLocation"):
+            for spot in self._on_tracks(signal):
                 forward = spot.get("applicationDirection", "normal") != "reverse"
                 self.draft.signals.append(
                     LayoutSignal(_name(signal), self._element_of(spot), round(self._pos(spot), 6), forward)

@@ -14,7 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
-from network.clock import clock
+from network.clock import clock, first_given
 from network.errors import InputError
 from network.files.line_schema import DIRECTIONS
 from network.files.quantities import SPEED
@@ -64,12 +64,12 @@ class Call:
     @property
     def first_s(self) -> int:
         """Arrival, or departure where no arrival is given, s."""
-        return self.arrival_s if self.arrival_s is not None else self.departure_s or 0
+        return first_given(self.arrival_s, self.departure_s, 0)
 
     @property
     def last_s(self) -> int:
         """Departure, or arrival where no departure is given, s."""
-        return self.departure_s if self.departure_s is not None else self.arrival_s or 0
+        return first_given(self.departure_s, self.arrival_s, 0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,12 +60,17 @@ def _cut(line: Line, section: Section, blocks: int) -> Line:
 
 def _borders(line: Line, piece: Piece, blocks: int) -> tuple[float, ...]:
     """Where blocks meet: even parts, beside platforms; two that come to one place are one."""
-    platforms = [
+    kept_free = sorted(
         (track.platform_m[0] - BEYOND_M, track.platform_m[1] + BEYOND_M)
         for station in line.stations.values()
         for track in station.tracks
         if track.piece_id == piece.id and track.platform_m is not None
-    ]
+    )
+    platforms: list[tuple[float, float]] = []
+    for low_m, high_m in kept_free:  # beside one may be another
+        joins = bool(platforms) and low_m < platforms[-1][1]
+        before = platforms.pop() if joins else (low_m, high_m)
+        platforms.append((before[0], max(before[1], high_m)))
     found: list[float] = []
     for i in range(1, blocks):
         at_m = piece.from_m + piece.length_m * i / blocks

@@ -221,8 +221,7 @@ class PositionRun:
             if any(isinstance(each, TagBelieved) for each in happened):
                 trains.position_fixed(SLOT)
         happened += self.motion.events(bits)
-        if moved:
-            self._judge()
+        self._judge()
         if any(isinstance(each, FoundByOtherSensor) for each in happened):
             trains.position_fixed(SLOT)
         for moment in self._due():
@@ -234,9 +233,9 @@ class PositionRun:
     def _judge(self) -> None:
         """Keep by how much the truth was out of the bounds."""
         trains, result, sheet = self.trains, self.result, self._sheet
-        out_m = float(sheet.worst[0, 0])
+        out_m = float(sheet.worst[SLOT, 0])
         if not (trains.premises.is_false(SLOT) or out_m <= result.out_m or math.isnan(result.out_m)):
-            result.out_m, result.out_at_m = out_m, float(sheet.worst[0, 2])
+            result.out_m, result.out_at_m = out_m, float(sheet.worst[SLOT, 2])
 
     def _steps_to_moment(self) -> int:
         """How many steps surely do not run past the next moment by more than one."""

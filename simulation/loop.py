@@ -346,7 +346,8 @@ class Simulation:
             return
         if moving:
             ran = (RunSince(STEP_S, speeds[: hit or done]) for _, speeds in columns)
-            self._compare(moving, self._observe(moving, ran))
+            trains.compare(moving, self._observe(moving, ran))
+        self._judge_bounds()
         for slot, passed, events in bits:
             self._report(slot, passed, events)
         if self._charging is not None:
@@ -384,13 +385,10 @@ class Simulation:
             self.checkers.observe(now_s, stock_id, edge, truth.offset_m, truth.speed_mps, ran)
         return seen
 
-    def _compare(self, slots: list[int], seen: list[Truth]) -> None:
-        """The carrier's positions against the kernel's, then the worst moment of each unit's bounds to the checkers."""
+    def _judge_bounds(self) -> None:
+        """The worst moment of each unit's bounds to the checkers; one that stands may find itself elsewhere too."""
         trains = self.trains
-        trains.compare(slots, seen)
-        for slot, (out_m, step, *stated) in zip(
-            slots, self._stretches.sheet.worst[: len(slots)].tolist(), strict=True
-        ):
+        for slot, (out_m, step, *stated) in enumerate(self._stretches.sheet.worst.tolist()):
             believes = slot not in self.on_board.unpowered and not trains.premises.is_false(slot)
             if believes and out_m != -math.inf:
                 self.checkers.bounds(step / STEPS_PER_S, trains.stock_ids[slot], *stated)

@@ -13,7 +13,8 @@ import { wordsIn } from "./words.js";
 const asked = new URLSearchParams(location.search);
 const lang = asked.get("lang") ?? (navigator.language.startsWith("ja") ? "ja" : "en");
 const seat = asked.get("seat"), unit = asked.get("unit") ?? "", run = asked.get("run");
-const words = wordsIn(lang, new Map(), await (await fetch("words.json")).json());
+const stations = new Map(); // those of the line, once it is known
+const words = wordsIn(lang, stations, await (await fetch("words.json")).json());
 const say = (english, values = {}) => words.say(english, values, "desk");
 const make = (...parts) => element(document, ...parts);
 const paces = [0, 1, 5, 10, 60];
@@ -81,6 +82,7 @@ async function protocol() {
 
 function build(known) {
   const { welcome } = known, lead = welcome.leads, breaks = welcome.faults.length > 0;
+  for (const { id, name, name_ja } of welcome.stations) stations.set(id, { name, ja: name_ja });
   document.title = `${say(seat)} – ${welcome.name}`;
   const button = (text, click, more = {}) => make("button", { type: "button", onclick: click, ...more }, text);
   const time = make("input", { id: "to-time", size: 8, placeholder: "HH:MM:SS", "aria-label": say("time") });
@@ -143,7 +145,7 @@ function trainTable({ state }) {
     const name = bid ? say("let go") : say("hold back");
     return make("td", {}, kept, may ? make("button", { type: "button", "aria-label": `${train.unit}: ${name}`, onclick: act(bid ? "let_go" : "hold_train", bid ? {} : { hold_s: 300 }) }, name) : null);
   };
-  const rows = state.trains.filter((train) => train.train).map((train) => [train.train, train.unit, late(train.late_s), train.station, clock(train.heard_s, true), [...new Set([train.sections[0], train.sections.at(-1)])].join(" … "),
+  const rows = state.trains.filter((train) => train.train).map((train) => [train.train, train.unit, late(train.late_s), words.place(train.station), clock(train.heard_s, true), [...new Set([train.sections[0], train.sections.at(-1)])].join(" … "),
     ...(truth ? [train.speed_mps === null ? "–" : (train.speed_mps * 3.6).toFixed(0), lang === "ja" ? train.waits_for_ja : train.waits_for] : []), order(train)]);
   return make("table", {}, make("caption", { class: "unseen" }, say("trains")), make("thead", {}, make("tr", {}, ...heads.map((head) => make("th", { scope: "col" }, say(head))))),
     make("tbody", {}, ...rows.map((row) => make("tr", {}, ...row.map((cell) => cell instanceof Node ? cell : make("td", {}, cell))))));

@@ -10,7 +10,6 @@ const KEYS = { ArrowUp: 1, ArrowDown: -1 };
 export function cab(welcome, words, tell) {
   const say = (english, values = {}) => words.say(english, values, "desk");
   const make = (...parts) => element(document, ...parts);
-  const place = (id) => { const found = welcome.stations.find((one) => one.id === id); return found ? (words.lang === "ja" ? found.name_ja : found.name) : id || "–"; };
   const cells = new Map();
   const row = (name, id) => { const cell = make("td", { id: `cab-${id}` }); cells.set(id, cell); return make("tr", {}, make("th", { scope: "row" }, name), cell); };
   let shown = null, handle = 0, asked_ms = -OWN_MS;
@@ -68,7 +67,7 @@ export function cab(welcome, words, tell) {
     put("notch", `${now.notch > 0 ? "P" : now.notch < 0 ? "B" : "N"}${Math.abs(now.notch).toFixed(0)}${braked}`, now.intervention > 0);
     put("drives", `${now.powered ? (now.by_hand ? say("by hand") : say("by ATO")) : `✕ ${say("no power")}`}${now.on_sight ? ` ⚠ ${say("on sight")}` : ""}`, now.on_sight || !now.powered);
     put("authority", `${metres(now.authority_m)} (${words.lang === "ja" ? now.why_ja : now.why})`);
-    put("stop", place(now.next_stop));
+    put("stop", words.place(now.next_stop || null));
     put("distance", metres(now.next_stop_m));
     put("arrives", now.arrives_s === null ? "–" : clock(now.arrives_s, true));
     put("departs", now.departs_s === null ? "–" : clock(now.departs_s, true));

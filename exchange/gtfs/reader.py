@@ -30,7 +30,7 @@ from exchange.gtfs.stops import GtfsStop, read_stops
 from exchange.gtfs.tables import Feed
 from exchange.published import PublishedTimetable, PublishedTrain, some_names
 from exchange.station_order import ordered_stations, runs_down
-from network.clock import clock
+from network.clock import clock, first_given
 from network.errors import COMMAND_LINE, InputError
 from network.files.names import title_of
 from network.files.toml_input import one_of
@@ -335,7 +335,7 @@ def _next_day(call: _Call) -> _Call:
 
 
 def _first_s(call: _Call) -> int:
-    return call.arrival_s if call.arrival_s is not None else call.departure_s or 0
+    return first_given(call.arrival_s, call.departure_s, 0)
 
 
 def _whole(

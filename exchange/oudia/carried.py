@@ -16,7 +16,6 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from exchange.timetable_writer import head_toml
-from network.errors import InputError
 from network.files.timetable_schema import HeadTable
 from network.files.toml_input import Record, parse_toml
 from network.files.toml_text import text_toml
@@ -66,23 +65,14 @@ def comment(title: str, carried: CommentTable) -> str:
 
 
 def carried_in(text: str, file: str) -> CommentTable | None:
-    """What a comment carries; None where it carries nothing, or what is no longer whole."""
+    """What a comment carries; None where it carries nothing. InputError for what is no longer whole."""
     _, found, table = text.replace("\r\n", "\n").partition(_BEGINS)
-    if not found:
-        return None
-    try:
-        return parse_toml(table, file, CommentTable)
-    except InputError:
-        return None
+    return parse_toml(table, file, CommentTable) if found else None
 
 
 def remark(words: RemarkFacts) -> str:
     """A train's remark; empty where OuDia has a place for all."""
-    stations = (
-        (_OPERATIONAL, words.operational),
-        (_TRACK, words.named_tracks),
-        (_INFERRED, words.inferred),
-    )
+    stations = ((_OPERATIONAL, words.operational), (_TRACK, words.named_tracks), (_INFERRED, words.inferred))
     parts = [f"{name}={','.join(sorted(ids))}" for name, ids in stations if ids]
     if words.days:
         parts.append(f"{_DAY}={words.days:+d}")
@@ -102,8 +92,5 @@ def words_in(text: str) -> RemarkFacts:
         frozenset(found.get(name, "").split(",")) - {""} for name in (_OPERATIONAL, _TRACK, _INFERRED)
     )
     return RemarkFacts(
-        operational,
-        named_tracks,
-        inferred,
-        days=int(days) if re.fullmatch(r"[+-][0-9]", days) else 0,
+        operational, named_tracks, inferred, days=int(days) if re.fullmatch(r"[+-][0-9]", days) else 0
     )

@@ -12,14 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from exchange.oudia.carried import CommentTable, carried_in, words_in
-from exchange.oudia.cells import (
-    AfterTrain,
-    BeforeTrain,
-    CallHandling,
-    OudiaCell,
-    StationOperation,
-    index_of,
-)
+from exchange.oudia.cells import AfterTrain, BeforeTrain, CallHandling, OudiaCell, StationOperation, index_of
 from exchange.oudia.published import NOT_FOR_PASSENGERS
 from exchange.oudia.route import DOWN, OudiaDia, OudiaRoute, OudiaStation, OudiaTrain
 from exchange.oudia.writer import station_name
@@ -45,10 +38,10 @@ class _LostError(Exception):
 
 def read_back(route: OudiaRoute, dia: OudiaDia, line: Line) -> WrittenHere:
     """The timetable that was written into a file, for a line. Raises nothing."""
-    carried = carried_in(route.comment, route.file)
-    if carried is None:
-        return WrittenHere(None)
     try:
+        carried = carried_in(route.comment, route.file)
+        if carried is None:
+            return WrittenHere(None)
         file = _file(route, dia, line, carried)
         timetable_of(file, route.file, line)
     except _LostError as lost:

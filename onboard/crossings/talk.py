@@ -60,14 +60,32 @@ class CrossingTalk:
         self.letters: list[CrossingLetter] = []
         self.notes: list[notes.Note] = []
         self._forgot: Final = forgot
-        self._views: dict[str, CrossingView] = {}
+        self.views: dict[str, CrossingView] = {}
         self._places: Mapping[str, CrossingPlace] = {}
         self._goes_on = self._stands = False
-        self._correlations: dict[str, int] = {}
+        self.correlations: dict[str, int] = {}
         self._announced: dict[str, None] = {}  # who has heard of it, or is yet to hear that it is over
         self._live: list[str] = []  # those that matter: ahead or announced
-        self.creeps = False  # the train runs on sight over a crossing that has not proved closed
         self._held: tuple[float, tuple[str, str]] | None = None  # what `_first_closed` has found, and when
+
+    def resume(
+        self,
+        views: Mapping[str, CrossingView],
+        correlations: Mapping[str, int],
+        places: Sequence[CrossingPlace],
+        state: DutyState,
+    ) -> None:
+        """Go on as it was left: by what it knew and had said, and by where it saw the crossings of its path."""
+        for crossing_id, view in views.items():
+            self._put(crossing_id, view)
+        self.correlations |= correlations
+        self._places = {place.crossing_id: _as_it_runs(place, state, math.inf) for place in places}
+        self._goes_on = state.phase is DutyPhase.RUNNING
+
+    @property
+    def creeps(self) -> bool:
+        """Whether the train runs on sight over a crossing that has not proved closed."""
+        return any(view.creeps for view in self.views.values())
 
     def look(
         self, places: Sequence[CrossingPlace] | None, state: DutyState, leaves_in_s: float, now_s: float
@@ -75,9 +93,9 @@ class CrossingTalk:
         """See where the train is now; None: it does not know. A stop is left in `leaves_in_s` at the soonest."""
         self._held = None
         if places is None:
-            self._places, self._live, self._stands = {}, list(self._views), False
+            self._places, self._live, self._stands = {}, list(self.views), False
             for crossing_id in self._live:
-                says = self._views[crossing_id].phase is CrossingPhase.LEAVING  # that holds wherever it is
+                says = self.views[crossing_id].phase is CrossingPhase.LEAVING  # that holds wherever it is
                 self._take(crossing_id, CrossingSeen(None) if says else CrossingUnplaced(), now_s)
             return
         self._goes_on = state.phase is DutyPhase.RUNNING or leaves_in_s <= 0.0
@@ -85,10 +103,10 @@ class CrossingTalk:
         self._places, self._stands = here, False
         for place in places:
             crossing_id = place.crossing_id
-            view = self._views.get(crossing_id) or CrossingView(crossing_id, forgot=self._forgot)
+            view = self.views.get(crossing_id) or CrossingView(crossing_id, forgot=self._forgot)
             if place.clear and view.phase is CrossingPhase.AHEAD and not view.forgot:
                 continue  # it lies behind, and knows that
-            self._views[crossing_id] = view
+            self.views[crossing_id] = view
             here[crossing_id] = _as_it_runs(place, state, leaves_in_s)
             self._stands = self._stands or place.stands
         self._live = [*here, *(crossing_id for crossing_id in self._announced if crossing_id not in here)]
@@ -98,16 +116,16 @@ class CrossingTalk:
     def hear(self, heard: Received, now_s: float) -> bool:
         """Take a telegram, if it is a level crossing's; whether it was."""
         crossing_id = heard.source
-        if crossing_id not in self._views:
+        if crossing_id not in self.views:
             return False
         match heard.message:
             case CrossingProof(passable, valid_s) | CrossingClear(passable, valid_s):
-                if heard.fresh and heard.correlation == self._correlations.get(crossing_id):
+                if heard.fresh and heard.correlation == self.correlations.get(crossing_id):
                     by_contacts = isinstance(heard.message, CrossingClear)
                     answered = CrossingAnswered(passable, now_s + valid_s, by_contacts)
                     self._take(crossing_id, answered, now_s)
             case CrossingOverHeard():
-                if heard.correlation == self._correlations.get(crossing_id, NEVER_ASKED):
+                if heard.correlation == self.correlations.get(crossing_id, NEVER_ASKED):
                     self._take(crossing_id, CrossingOverAnswered(), now_s)
             case Restarted():
                 self._take(crossing_id, CrossingBooted(), now_s)
@@ -117,12 +135,12 @@ class CrossingTalk:
 
     def creep(self, crossing_id: str, now_s: float, *, guarded: bool = False) -> None:
         """Its driver has leave to creep over a crossing."""
-        if crossing_id in self._views:
+        if crossing_id in self.views:
             self._take(crossing_id, CreepAllowed(guarded=guarded), now_s)
 
     def off_the_line(self, now_s: float) -> None:
         """The whole train is off the line."""
-        for crossing_id in list(self._views):
+        for crossing_id in list(self.views):
             self._take(crossing_id, CrossingOffLine(), now_s)
 
     def command(self, now_s: float) -> CrossingCommand:
@@ -141,7 +159,7 @@ class CrossingTalk:
 
     def _first_closed(self, now_s: float) -> tuple[str, str]:
         if self._held is None or self._held[0] != now_s:
-            views, places = self._views, self._places.items()
+            views, places = self.views, self._places.items()
             near = (id_ for id_, place in places if not may_pass(views[id_], place, now_s))
             any_ = (id_ for id_, place in places if not may_pass(views[id_], place, now_s, math.inf))
             self._held = (now_s, (next(near, ""), next(any_, "")))
@@ -157,7 +175,7 @@ class CrossingTalk:
         if place is None or not place.stands:
             return ""
         near = place.fastest_s < (place.least_s or NEAR_S)
-        waits = near or starts_too_soon(self._views[place.crossing_id], place, now_s)
+        waits = near or starts_too_soon(self.views[place.crossing_id], place, now_s)
         return place.crossing_id if waits else ""
 
     def kept_standing_by(self, now_s: float) -> str:
@@ -165,7 +183,7 @@ class CrossingTalk:
         be so for its least time.
         """
         place = self._places.get(self.start_held_by(now_s))
-        if place is None or self._views[place.crossing_id].phase is CrossingPhase.PROVEN:
+        if place is None or self.views[place.crossing_id].phase is CrossingPhase.PROVEN:
             return ""
         return place.crossing_id if self._goes_on and math.isfinite(place.arrives_s) else ""
 
@@ -173,7 +191,7 @@ class CrossingTalk:
         """When to look again, s, if the front is not surely on this crossing by then; infinite, empty: at none."""
         ends = (math.inf, "")
         for crossing_id in self._live:
-            view = self._views[crossing_id]
+            view = self.views[crossing_id]
             if view.phase is CrossingPhase.PROVEN:
                 ends = min(ends, (ends_s(view, self._places.get(crossing_id), now_s), crossing_id))
         return ends
@@ -184,33 +202,34 @@ class CrossingTalk:
         """
         seen = self._places
         if not seen:
-            said = (view.said_s for view in self._views.values() if view.phase is CrossingPhase.LEAVING)
+            said = (view.said_s for view in self.views.values() if view.phase is CrossingPhase.LEAVING)
             return min((max(at_s + 2.0, now_s + 0.1) for at_s in said), default=math.inf)
-        views = self._views
+        views = self.views
         wakes_s = [
             still_s(views[id_]) if id_ == unless_on else wake_s(views[id_], seen.get(id_), now_s)
             for id_ in self._live
         ]
         return min(wakes_s, default=math.inf)
 
+    def _put(self, crossing_id: str, view: CrossingView) -> None:
+        self.views[crossing_id] = view
+        if view.phase is CrossingPhase.AHEAD:
+            self._announced.pop(crossing_id, None)
+        else:
+            self._announced[crossing_id] = None
+
     def _take(self, crossing_id: str, event: CrossingEvent, now_s: float) -> None:
-        before = self._views[crossing_id]
+        before = self.views[crossing_id]
         after, actions = step(before, event, now_s)
         if after is before and not actions:
             return
         self._held = None
-        self._views[crossing_id] = after
-        if after.phase is CrossingPhase.AHEAD:
-            self._announced.pop(crossing_id, None)
-        else:
-            self._announced[crossing_id] = None
-        if after.creeps is not before.creeps:
-            self.creeps = any(view.creeps for view in self._views.values())
+        self._put(crossing_id, after)
         if after.phase in _ANNOUNCED and before.phase not in _ANNOUNCED:
-            self._correlations[crossing_id] = self._correlations.get(crossing_id, NEVER_ASKED) + 1
+            self.correlations[crossing_id] = self.correlations.get(crossing_id, NEVER_ASKED) + 1
         for action in actions:
             if isinstance(action, CrossingRequest | CrossingOver):
-                correlation = self._correlations.get(crossing_id, NEVER_ASKED)
+                correlation = self.correlations.get(crossing_id, NEVER_ASKED)
                 self.letters.append(CrossingLetter(crossing_id, action, correlation))
             else:
                 self.notes.append(action)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+from network.clock import first_given
 from plan.arranging.model import (
     ANOTHER,
     BEYOND_COST,
@@ -183,7 +184,7 @@ def _running(trains: Sequence[TrainToArrange], visits: Visits, from_s: int, to_s
     found: set[str] = set()
     for train in trains:
         own = visits[train.number]
-        begins_s = min(own[0].departure_s, train.visits[0].departure_s or own[0].departure_s)
+        begins_s = min(own[0].departure_s, first_given(train.visits[0].departure_s, own[0].departure_s))
         if begins_s < to_s and own[-1].arrival_s > from_s:
             found.add(train.number)
     return frozenset(found)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final
 
+from network.clock import first_given
 from plan.arranging.problem import Standing, TrainToArrange, Visit
 
 WAITS_S: Final = 3600  # assumed: a train may wait so long on its way to an end of which no time is printed
@@ -25,7 +26,7 @@ def earliest_s(train: TrainToArrange) -> list[tuple[int, int]]:
             runs_s = [run_s for one, other, run_s in visit.run.ways() if before.can(one) and visit.can(other)]
             arrives_s = found[-1][1] + min(runs_s)
         departs_s = arrives_s + (visit.stay_s if before and visit.standing is Standing.ALWAYS else 0)
-        found.append((arrives_s, max(departs_s, visit.departure_s or departs_s)))
+        found.append((arrives_s, max(departs_s, first_given(visit.departure_s, departs_s))))
     return found
 
 

@@ -2,9 +2,10 @@
 
 Power is off while one of these is in force; a person who switches the device on ends it. A party that has lost its
 durable state does not start by itself when power returns: people must commission it (`commission`). A frozen party
-does nothing, and later handles the telegrams received meanwhile; its last command stays in force. A train whose unit is
-frozen runs on with the last command, and its supervision holds it to its stop limit. A party without power loses the
-telegrams received; one that boots while frozen goes on only afterwards.
+does nothing, and later handles the telegrams received meanwhile; its last command stays in force, but a level crossing
+closes: a watchdog lets its relays fall. A train whose unit is frozen runs on with the last command, and its supervision
+holds it to its stop limit. A party without power loses the telegrams received; one that boots while frozen goes on only
+afterwards.
 """
 
 from __future__ import annotations

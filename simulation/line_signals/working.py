@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from network.clock import first_given
 from network.model import Position, SectionKind
 from onboard.mission import Mission
 from simulation.agenda import AgendaKind
@@ -198,7 +199,8 @@ class LineSignalWorking:
             return False
         if train.runs:
             return True
-        leaves_s = max(train.duty.mission.targets[train.at].departure_s or 0.0, train.goes_s)
+        due_s = train.duty.mission.targets[train.at].departure_s
+        leaves_s = max(train.goes_s, first_given(due_s, train.goes_s))
         if step / STEPS_PER_S < leaves_s:
             self._agenda.put(step_not_before(leaves_s), AgendaKind.PROCEDURE, "driver")
             return False

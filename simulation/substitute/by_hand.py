@@ -8,9 +8,11 @@ by the rule of substitute working each level crossing that units ask: it cannot 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
+from network.clock import first_given
 from onboard.duty.records import DrivingCommand, DrivingOrder, StopLimit
 from onboard.records import NO_INTERVENTION
 from simulation.agenda import AgendaKind
@@ -40,9 +42,9 @@ class DrivenTrain:
     at: int = 0
     to: int = 0
     ends: int | None = None
-    goes_s: float = 0.0
+    goes_s: float = -math.inf
     runs: bool = False
-    stood_s: float = 0.0
+    stood_s: float | None = None
     over: bool = False  # its journey is: said once
     leaves_step: int | None = None
 
@@ -145,7 +147,7 @@ class HandDriver:
         """He has arrived, or stands short of his mark because of something, and tries again."""
         at = self._books.next_target(slot) - 1
         if at <= train.at:
-            if train.stood_s == 0.0:
+            if train.stood_s is None:
                 train.stood_s = now_s
             elif now_s - train.stood_s > TRIES_AGAIN_S and self._sees_nothing(slot):
                 self._runs(slot, train, now_s)
@@ -157,7 +159,7 @@ class HandDriver:
         if at == len(targets) - 1:
             self._over(slot, train, now_s)
         else:
-            train.goes_s = max(now_s + self._dwell_s, targets[at].departure_s or 0.0)
+            train.goes_s = max(now_s + self._dwell_s, first_given(targets[at].departure_s, now_s))
             self._wake(train.goes_s)
 
     def _over(self, slot: int, train: DrivenTrain, now_s: float) -> None:
@@ -204,7 +206,7 @@ class HandDriver:
             held=tuple(span.section_id for span in spans[first:ends]),
             waits_for=f"its run to {targets[train.at + 1].place_id}",
         )
-        train.runs, train.stood_s = True, 0.0
+        train.runs, train.stood_s = True, None
         self._obey(slot, command, now_s)
 
     def _obey(self, slot: int, command: DrivingCommand, now_s: float) -> None:

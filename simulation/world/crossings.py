@@ -1,7 +1,8 @@
 """Level crossings in the simulated world: their equipment, and the fronts and rears that pass contacts and roads.
 
-The equipment of each is `crossing_equipment`; a device without power lets it close, as relays fall. `CrossingLookout`
-follows the true fronts and rears: a stretch ends with the step in which one passes a place that matters.
+The equipment of each is `crossing_equipment`; a device that is dead or frozen lets it close, as relays fall.
+`CrossingLookout` follows the true fronts and rears: a stretch ends with the step in which one passes a place that
+matters.
 """
 
 from __future__ import annotations
@@ -67,8 +68,8 @@ class CrossingsOnTrack:
         if equipment is not None:
             self._shows(step, crossing_id, crossing_equipment.detection(equipment))
 
-    def power_off(self, step: int, crossing_id: str) -> None:
-        """Its device is dead: relays fall, and it closes; nothing where there is no such crossing."""
+    def relays_fall(self, step: int, crossing_id: str) -> None:
+        """Its device is dead, or frozen, which a watchdog sees: it closes; nothing where there is no such crossing."""
         if crossing_id in self.equipment:
             self.take(step, crossing_id, CloseCrossing(crossing_id))
 

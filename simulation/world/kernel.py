@@ -67,8 +67,8 @@ class Sheet(NamedTuple):
         np.int64
     ]  # slots of the stock that drove or rolled, ascending; then of stock that began to move
     speeds_mps: NDArray[np.float64]  # (movers, steps): at the end of each step
-    # (movers, 6): of the step in which bounds were broken most, or nearest to it: by how much (m; -inf: no step with a
-    # known position), the step, true position, believed position, bound behind, bound ahead
+    # (slots, 6), by slot: of the step in which bounds were broken most, or nearest to it: by how much (m; -inf: no
+    # step with a known position), the step, true position, believed position, bound behind, bound ahead
     worst: NDArray[np.float64]
     passed: NDArray[np.int64]  # by slot: what its front and rear passed in the last step
     events: NDArray[np.int64]  # by slot: what its unit reported in the last step
@@ -376,13 +376,12 @@ def advance(
             if row.truth.active == 0:
                 continue
             found, events = step_one(row, track, step)
+            judge_bounds(row, events, sheet.worst[slot], step)
             if mover < moving and sheet.movers[mover] == slot:
                 sheet.speeds_mps[mover, done] = row.plant.speed_mps
-                judge_bounds(row, events, sheet.worst[mover], step)
                 mover += 1
             elif row.plant.speed_mps > 0.0:
                 begins_to_move(sheet, told, slot, row.plant.speed_mps, done)
-                judge_bounds(row, events, sheet.worst[told], step)
                 told += 1
             sheet.passed[slot] = found
             sheet.events[slot] = events

@@ -38,7 +38,7 @@ from simulation.world.crossings import CrossingsOnTrack
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from simulation.world.radio import Radio
 from wayside.config import MANAGER_ID
-from wayside.crossing_said import CloseCrossing, OpenCrossing
+from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
 from wayside.said import Input, Output, StartThrow
 
 
@@ -267,7 +267,7 @@ class WaysideWorld:
             self._frozen[device_id].clear()
             self._inputs.pop(device_id, None)
         self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=device_id))
-        self.crossings.power_off(step, device_id)
+        self.crossings.relays_fall(step, device_id)
 
     def power_on(self, step: int, device_id: str) -> None:
         """A device boots: a new epoch; terminals are shown their points. It stays down if it lost its durable state."""
@@ -305,10 +305,14 @@ class WaysideWorld:
         self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)
 
     def freeze(self, step: int, device_id: str, *, frozen: bool) -> None:
-        """A device stops working without losing anything, or goes on with what has piled up."""
+        """A device stops working without losing anything, or goes on with what has piled up and is shown now."""
         if frozen:
             self._frozen.setdefault(device_id, [])
+            self.crossings.relays_fall(step, device_id)
             return
+        piled_up = self._inputs[device_id]
+        self._inputs[device_id] = [one for one in piled_up if not isinstance(one, CrossingDetected)]
+        self.crossings.show(step, device_id)
         for data in self._frozen.pop(device_id, []):
             self._agenda.put(step, AgendaKind.TO_DEVICE, device_id, data)
         self._agenda.put(step, AgendaKind.TO_DEVICE, device_id)

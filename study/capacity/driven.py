@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from network.clock import first_given
 from onboard.driving.ahead import kept_along_mps
 from onboard.driving.room import Room
 from onboard.driving.stop_keeper import soft_end_s
@@ -82,7 +83,7 @@ class StockDriving:
         if duty.enters:
             begins_s, asked_s = self._signs_on(planned, setting, max(ready_s, duty.enter_s))
             ready_s = asked_s + self.setup.people.mean_s(Pause.ENTRY)
-        leaves_s = max(ready_s, mission.targets[0].departure_s or ready_s)
+        leaves_s = max(ready_s, first_given(mission.targets[0].departure_s, ready_s))
         if leg is not None:
             asks_s[leg.route_id] = self._asks_s(mission.targets[0], asked_s, asked_s)
             leaves_s = max(leaves_s, setting.way_free_s(plan, leg, asks_s[leg.route_id]))
@@ -96,7 +97,7 @@ class StockDriving:
                 stays.append(JourneyStay(at, stands_s, stands_s))
                 break
             free_s = stands_s + (self.unit.dwell_min_s if there.passengers else 0.0)
-            leaves_s = max(free_s, -math.inf if self.rules.unslowed else there.departure_s or -math.inf)
+            leaves_s = free_s if self.rules.unslowed else max(free_s, first_given(there.departure_s, free_s))
             leg = plan.leg_beyond(there.section_id)
             if leg is not None and leg.route_id not in asks_s:
                 asks_s[leg.route_id] = self._asks_s(there, stands_s, free_s)

@@ -12,16 +12,9 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from network.clock import first_given
 from network.model import Line, SectionKind
-from network.timetable import (
-    AtPortal,
-    BecomesTrain,
-    Call,
-    Diagram,
-    FromTrain,
-    Stabled,
-    TimetableTrain,
-)
+from network.timetable import AtPortal, BecomesTrain, Call, Diagram, FromTrain, Stabled, TimetableTrain
 from onboard.authority.tables import REFUSED_REPEAT_S
 from radio.air import AirParameters, DelayShape
 from simulation.faults.script import Script
@@ -349,7 +342,7 @@ class _LegsOfSet:
         end_leg, end_s = own[-1]
         calls[0] = calls[0] if _enters(self._setup, own[0][0]) else replace(calls[0], arrival_s=None)
         if not self._leaves(end_leg):
-            arrives_s = calls[-1].arrival_s or math.floor(end_leg.arrives_s) + end_s
+            arrives_s = first_given(calls[-1].arrival_s, math.floor(end_leg.arrives_s) + end_s)
             calls[-1] = replace(calls[-1], arrival_s=arrives_s, departure_s=None)
         begins = train.begins if _enters(self._setup, own[0][0]) else Stabled()
         ends = train.ends if self._leaves(end_leg) else Stabled()

@@ -18,6 +18,6 @@ def figures_afresh(module: str, called: str, *words: str) -> dict[str, Any]:
     return found
 
 
-def budget_of(what: str, limit: float, found: float) -> dict[str, Any]:
-    """A budget, with whether it is kept."""
-    return {"what": what, "limit": limit, "found": found, "kept": found <= limit}
+def budget_of(what: str, limit: float, found: float | None) -> dict[str, Any]:
+    """A budget, with whether it is kept; None: nothing was there to be measured, which is not."""
+    return {"what": what, "limit": limit, "found": found, "kept": found is not None and found <= limit}

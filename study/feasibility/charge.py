@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from network.clock import first_given
 from network.units import J_PER_KWH
 from onboard.charge import ChargeRules, commits_at
 from onboard.reach import BatteryHop, SetWays, charger_at, stands_s, to_next_charge
@@ -120,7 +121,7 @@ def _train(one: _SetCharge, duty: Duty, following: Duty | None) -> Iterator[Find
                 Severity.IMPOSSIBLE,
                 (duty.train.number,),
                 hops[at].from_place,
-                target.departure_s or duty.enter_s,
+                first_given(target.departure_s, duty.enter_s),
                 text,
                 "more charging before that",
             )

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
+from network.clock import first_given
 from network.model import Direction, Line, Route
 from network.timetable import Diagram
 from onboard.mission import Mission, NoWay, Target
@@ -148,7 +149,7 @@ def _stands(setup: Setup, duty: Duty, times: RunTimes) -> tuple[PlannedStop, ...
         if before is None:
             begins_s = duty.enter_s if duty.enters else float(duty.train.calls[0].last_s)
             arrives_s = begins_s if there.arrival_s is None else there.arrival_s
-            stands.append(PlannedStop(there, arrives_s, there.departure_s or begins_s, 0.0))
+            stands.append(PlannedStop(there, arrives_s, first_given(there.departure_s, begins_s), 0.0))
             continue
         passing_m = tuple(passing.position_m for passing in there.passings)
         *passes_s, run_s = times.times_s(duty.stock_id, mission.path, before.mark_m, there.mark_m, passing_m)

@@ -62,7 +62,10 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain, times: RunTimes) -> Ite
             f" as trains are driven, {limits_s:.0f} s at the limits"
         )
         remedy = f"it is at {names[1]} at {clock(math.ceil(before.departs_s + there.run_s))} at the earliest"
-        times_s = (before.target.departure_s, there.target.arrival_s or there.target.departure_s)
+        times_s = (
+            before.target.departure_s,
+            there.target.departure_s if there.target.arrival_s is None else there.target.arrival_s,
+        )
         place = f"{before.target.station_id}-{there.target.station_id}"
         severity = severity_of(short_s, *times_s)
         yield Finding(

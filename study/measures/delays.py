@@ -11,11 +11,13 @@ A train that the dispatcher cuts grows, for others, to the lateness that is stat
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from network.clock import first_given
 from network.timetable import AtPortal, CallKind
 from onboard.notes import PositionFault, Resumed
 from simulation.events import MANAGER, CameLate, DoorsHeld, Entered, EventType, JournalEntry, PowerOff
@@ -126,7 +128,7 @@ class _Moment:
     at_s: float
     late_s: float
     drawn_s: float
-    ready_s: float
+    ready_s: float = -math.inf
     comes_s: float | None = None
     never: bool = False
     unbegun: bool = False
@@ -162,7 +164,7 @@ def _of_stock(
     stock_id: str, stops: Sequence[StopRecord], seen: _JournalFacts, setup: Setup, cut: Collection[str]
 ) -> Iterator[LatenessGrowth]:
     """Walks through a set's day; lateness goes on from train to train, and ends where the set leaves the line."""
-    late_s = since_s = 0.0
+    late_s, since_s = 0.0, -math.inf
     for moment in (*_moments(stops, seen, setup), *_never_came(stock_id, stops, seen, setup, cut)):
         if moment.comes_s is not None:
             late_s, since_s = 0.0, moment.comes_s
@@ -178,21 +180,21 @@ def _moments(stops: Iterable[StopRecord], seen: _JournalFacts, setup: Setup) -> 
     for stop in stops:
         begins, number = stop.number != number, stop.number
         if stop.cancelled and (begins or not cut):  # all that is cut of it, once
-            planned_s = stop.planned_arrival_s or stop.planned_departure_s or 0.0
+            planned_s = first_given(stop.planned_arrival_s, stop.planned_departure_s, 0.0)
             late_s = stop.stated_late_s or 0.0
-            yield _Moment(stop, planned_s + late_s, late_s, 0.0, 0.0, unbegun=begins)
+            yield _Moment(stop, planned_s + late_s, late_s, 0.0, unbegun=begins)
         cut = stop.cancelled
         if cut:
             continue
         comes_s, entry_s = _enters(number, seen, setup) if begins else (None, 0.0)
         if stop.arrival_s is not None and stop.planned_arrival_s is not None:
             arrived_late_s = stop.arrival_s - stop.planned_arrival_s
-            yield _Moment(stop, stop.arrival_s, arrived_late_s, entry_s, 0.0, comes_s)
+            yield _Moment(stop, stop.arrival_s, arrived_late_s, entry_s, comes_s=comes_s)
             comes_s, entry_s = None, 0.0
         if stop.departure_s is not None and stop.planned_departure_s is not None:
             held = seen.held.get((number, stop.station_id))
             drawn_s = entry_s + (0.0 if held is None else held.people_s + held.doors_s)
-            ready_s = 0.0 if comes_s is not None else _ready_s(stop, held, setup)
+            ready_s = -math.inf if comes_s is not None else _ready_s(stop, held, setup)
             left_late_s = stop.departure_s - stop.planned_departure_s
             yield _Moment(stop, stop.departure_s, left_late_s, drawn_s, ready_s, comes_s)
 
@@ -229,7 +231,7 @@ def _never_came(
         planned_s, end_s = float(call.first_s), setup.latest_end_s
         stop = StopRecord(stock_id, number, train.revenue, call.station_id, call.track or "", planned_s, None)
         comes_s, entry_s = (None, 0.0) if number in ran else _enters(number, seen, setup)
-        yield _Moment(stop, end_s, end_s - planned_s, entry_s, 0.0, comes_s, never=True)
+        yield _Moment(stop, end_s, end_s - planned_s, entry_s, comes_s=comes_s, never=True)
 
 
 def _ready_s(stop: StopRecord, held: DoorsHeld | None, setup: Setup) -> float:

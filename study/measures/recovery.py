@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
+from network.clock import first_given
 from network.timetable import Timetable
 from simulation.result import StopRecord
 from simulation.setup import latest_end_s
@@ -63,7 +64,7 @@ def late_stretches(
         if missed.last_s + LATE_S < end_s:
             found.append(LateStretch(missed.last_s + LATE_S, end_s, over=False))
     for stop in cancelled:
-        planned_s = stop.planned_departure_s or stop.planned_arrival_s or 0.0
+        planned_s = first_given(stop.planned_departure_s, stop.planned_arrival_s, 0.0)
         found.append(LateStretch(planned_s + LATE_S, planned_s + (stop.stated_late_s or 0.0) + LATE_S))
     return joined_stretches(found)
 

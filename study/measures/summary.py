@@ -33,7 +33,8 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
       and none arrived.
     - late_passing_s_max: seconds after plan of the latest passing, negative when all were early; late_passing_at is
       where. None when no train passed anything at a time planned.
-    - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where.
+    - early_departure_s_max: most seconds any train left before plan, 0 when none did; early_at is where. None when
+      none left.
     - stops and stop_error_m_mean, _sigma (of the sample, n - 1), _max_abs: over stops with a known error.
     - stops_off: how many of them were more than OFF_MARK_M off; stop_off_at the worst of these {train, station,
       error_m}, None where there is none.
@@ -47,6 +48,7 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
     telegrams = tables.telegrams
     trains = trains_counted(stops, timetable, end_s)
     late, early, passed = worst_late(stops, timetable, end_s), worst_early(stops), worst_passing(stops)
+    none_left = stops["departure_s"].is_null().all()
     none_came = trains["trains_planned"] > 0 and trains["trains_arrived"] == 0
     return {
         **trains,
@@ -54,7 +56,7 @@ def summarise(tables: RunTables, timetable: Timetable, end_s: float | None = Non
         "late_at": None if none_came else late,
         "late_passing_s_max": None if passed is None else passed["late_s"],
         "late_passing_at": passed,
-        "early_departure_s_max": 0.0 if early is None else -early["late_s"],
+        "early_departure_s_max": None if none_left else 0.0 if early is None else -early["late_s"],
         "early_at": early,
         "stops": len(error_m),
         "stop_error_m_mean": _number(error_m.mean()),
@@ -91,11 +93,7 @@ def energy_summary(tables: RunTables) -> dict[str, Any]:
     returned = energy.group_by("regenerated_to").agg(pl.col("regenerated_kwh").sum()).sort("regenerated_to")
     return {
         "regenerated_to": dict(returned.iter_rows()),
-        "running": {
-            **trains,
-            "auxiliary": trains["auxiliary"] - standing,
-            "net": trains["net"] - standing,
-        },
+        "running": {**trains, "auxiliary": trains["auxiliary"] - standing, "net": trains["net"] - standing},
         "standing": {"traction": 0.0, "regenerated": 0.0, "auxiliary": standing, "net": standing},
         "layovers": stays,
         "parts": {

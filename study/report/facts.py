@@ -80,7 +80,7 @@ def _lateness(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
             what=phrase(at["what"]), train=at["train"], place=place
         )
 
-    late_s, early_s = facts["late_s_max"], float(facts["early_departure_s_max"])
+    late_s, early_s = facts["late_s_max"], facts["early_departure_s_max"]
     missing = facts["trains_planned"] - facts["trains_arrived"]
     if late_s is None:
         latest = phrase("no train arrived")
@@ -97,10 +97,12 @@ def _lateness(run: ReportedRun, facts: Mapping[str, Any]) -> tuple[Fact, ...]:
                 (latest, (one if missing == 1 else _SOME_MISSING).fill(count=missing)), "", ""
             )
     at = where(facts.get("early_at"))
-    early = phrase("{early_s:.0f} s before plan{where}").fill(early_s=early_s, where=at)
+    early = phrase("no train departed") if early_s is None else phrase("none before plan")
+    if early_s:
+        early = phrase("{early_s:.0f} s before plan{where}").fill(early_s=early_s, where=at)
     return (
         Fact(phrase("Worst lateness"), latest, late_s is None or missing > 0),
-        Fact(phrase("Earliest departure"), early if early_s else phrase("none before plan"), early_s >= 1),
+        Fact(phrase("Earliest departure"), early, (early_s or 0.0) >= 1),
     )
 
 

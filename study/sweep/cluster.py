@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from network.errors import InputError
+from study.runner.crash import exception_line
 from study.sweep.local import GivenUpError, failed_by, filed_by_client
 from study.sweep.store import check_shared, day_name
 from study.sweep.worker import RETRIES, FiledDay, Task, crashed, task_done
@@ -166,7 +167,7 @@ def missing_on_worker(out: str, token: str) -> str:
     try:
         check_shared(Path(out), token)
     except Exception as error:
-        return str(error)
+        return str(error) or exception_line(error)
     return ""
 
 

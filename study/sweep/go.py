@@ -14,6 +14,7 @@ from typing import Final
 from network.errors import InputError
 from study.sweep.digest import code_digest
 from study.sweep.figures import FIGURES
+from study.sweep.kept import is_kept
 from study.sweep.local import Pump
 from study.sweep.plan import GridPoint, SweepPlan
 from study.sweep.records import DayOutcome, DayRecord
@@ -153,6 +154,12 @@ class SweepProgress:
                 )
         return tuple(texts)
 
+    @property
+    def carriers(self) -> str:
+        """What carried the days that count: another carrier than the plan's where days were there before."""
+        found = {record.spec.carrier for _, record in self._counted()} or {self.plan.carrier.value}
+        return " and ".join(sorted(found))
+
     def _counted(self) -> Iterator[tuple[str, DayRecord]]:
         for point in self.plan.points:
             for record in self.days_counted(point):
@@ -163,7 +170,7 @@ Show = Callable[[SweepProgress], None]
 
 
 def sweep_begun(plan: SweepPlan, store: SweepDirectory, *, anyway: bool) -> SweepProgress:
-    """What there is already. InputError for days that other code has run, unless they are to count `anyway`."""
+    """What is there, all that is to be kept too. InputError for days of other code, unless they count `anyway`."""
     courses = tuple(_PointProgress(plan, point) for point in plan.points)
     found: FiledDays = store.days_found({name for course in courses for name in course.names})
     codes = {record.code for record in found.records.values()} - {code_digest()}
@@ -174,7 +181,8 @@ def sweep_begun(plan: SweepPlan, store: SweepDirectory, *, anyway: bool) -> Swee
             f" days of {shown}"
         )
         raise InputError("command line", "--out", store.out, expected)
-    state = SweepProgress(plan, courses, found.records, 0, found.refused, found.others)
+    there = {name: day for name, day in found.records.items() if is_kept(day, store.out, plan.table.keep)}
+    state = SweepProgress(plan, courses, there, 0, found.refused, found.others)
     for course in courses:
         course.find(state.records)
     state.before = state.there

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 from network.errors import InputError
 from study.outcome import Outcome, outcome_of
-from study.record.directory import JOURNAL_FILE, replacing_folder
+from study.record.directory import JOURNAL_FILE, REPORT_FILE, replacing_folder
 from study.runner.crash import exception_line
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute, write_run
 from study.sweep.day import ProcessCache, record_of
@@ -18,6 +19,7 @@ from study.sweep.store import RUNS, day_name
 REPORT: Final = "report"
 JOURNAL: Final = "journal"
 TRAJECTORY: Final = "trajectory"
+_FILES: Final = {REPORT: REPORT_FILE, JOURNAL: JOURNAL_FILE, TRAJECTORY: f"{TRAJECTORY}.parquet"}
 
 
 def kept_day(spec: DaySpec, index: int, out: Path, keep: tuple[str, ...], warm: ProcessCache) -> DayRecord:
@@ -29,9 +31,19 @@ def kept_day(spec: DaySpec, index: int, out: Path, keep: tuple[str, ...], warm: 
             raise
         why = f"{exception_line(error)}; again: {warm.replay_of(spec)}"
         return DayRecord(spec, index, DayOutcome.CRASHED, why, None)
-    _keep(run, out / RUNS / day_name(spec, index).removesuffix(".json"), keep)
+    _keep(run, _folder(spec, index, out), keep)
     setup = run.scenario.setup
     return record_of(spec, index, run.result, replace(setup, day=setup.tuning.days))
+
+
+def is_kept(record: DayRecord, out: Path, keep: Collection[str]) -> bool:
+    """Whether what is asked for lies below `out`; of a day that crashed there is nothing."""
+    folder = _folder(record.spec, record.index, out)
+    return record.outcome is DayOutcome.CRASHED or all((folder / _FILES[what]).exists() for what in keep)
+
+
+def _folder(spec: DaySpec, index: int, out: Path) -> Path:
+    return out / RUNS / day_name(spec, index).removesuffix(".json")
 
 
 def _keep(run: FinishedRun, out: Path, keep: tuple[str, ...]) -> None:
@@ -45,6 +57,6 @@ def _keep(run: FinishedRun, out: Path, keep: tuple[str, ...]) -> None:
             if JOURNAL in keep:
                 (folder / JOURNAL_FILE).write_bytes(run.result.journal.to_bytes())
             if TRAJECTORY in keep:
-                run.tables.trajectory.write_parquet(folder / f"{TRAJECTORY}.parquet")
+                run.tables.trajectory.write_parquet(folder / _FILES[TRAJECTORY])
     except InputError as error:
         raise OSError(str(error)) from error

@@ -75,7 +75,7 @@ def _page(state: SweepProgress, parts: Sequence[PagePart]) -> str:
     page = rendered(
         "sweep.html.j2",
         title=table.name,
-        subtitle=f"{table.scenario} · {days} · carried by {state.plan.carrier.value}",
+        subtitle=f"{table.scenario} · {days} · carried by {state.carriers}",
         parts=parts,
     )
     return page.replace(FACE, japanese_face(page), 1)

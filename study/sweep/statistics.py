@@ -20,19 +20,22 @@ from numpy.typing import NDArray
 
 QUANTILES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 DIGITS: Final = 6
-SIGNS_ALIKE_BY_CHANCE: Final = 0.05
 SKEW_MIN: Final = 1e-6  # less makes no difference
 LATER: Final = 1.5  # assumed: so many times as many days at the next look
 
 
 @dataclass(frozen=True, slots=True)
 class FigureEstimate:
-    """A figure with its confidence interval; of `days` days. None where there are too few, or all are alike."""
+    """A figure with its confidence interval; of `days` days. None where there are too few, or all are alike.
+
+    `wrong_max`: the chance that it may be wrong, of days that are all alike.
+    """
 
     days: int
     value: float | None
     low: float | None = None
     high: float | None = None
+    wrong_max: float = 0.0
 
     @property
     def width(self) -> float | None:
@@ -43,10 +46,10 @@ class FigureEstimate:
     def apart_from_0(self) -> bool:
         """Whether the interval lies on one side of 0: a difference that chance alone hardly makes.
 
-        Of days that are all alike by the sign test: six of them or more.
+        Of days that are all alike by the sign test: at 95 % six of them or more.
         """
         if self.low is None or self.high is None:
-            return bool(self.value) and 0.5 ** (self.days - 1) < SIGNS_ALIKE_BY_CHANCE
+            return bool(self.value) and 0.5 ** (self.days - 1) < self.wrong_max
         return self.low > 0.0 or self.high < 0.0
 
     @property
@@ -87,7 +90,7 @@ class RunningMoments:
             return FigureEstimate(0, None)
         value = _rounded(self.mean)
         if self._squares <= 0.0:
-            return FigureEstimate(self.count, value)
+            return FigureEstimate(self.count, value, wrong_max=1.0 - confidence)
         error = math.sqrt(self._squares / (self.count - 1) / self.count)
         reach = float(scipy.stats.t.ppf(0.5 + confidence / 2.0, self.count - 1))
         above, below = (_uncorrected(t, self._skewness / math.sqrt(self.count)) for t in (-reach, reach))

@@ -14,14 +14,7 @@ from study.sweep.figures import FIGURES, DayFigure
 from study.sweep.go import SweepProgress
 from study.sweep.plan import GridPoint
 from study.sweep.records import DayOutcome, DayRecord
-from study.sweep.statistics import (
-    QUANTILES,
-    FigureEstimate,
-    difference_of,
-    mean_of,
-    quantile_of,
-    share_of,
-)
+from study.sweep.statistics import QUANTILES, FigureEstimate, difference_of, mean_of, quantile_of, share_of
 from study.sweep.worker import replay_command
 
 
@@ -159,7 +152,7 @@ def summary_of(state: SweepProgress, out: Path) -> dict[str, Any]:
         "sweep": plan.table.id,
         "out": str(out),
         "scenario": plan.table.scenario,
-        "carrier": plan.carrier.value,
+        "carrier": state.carriers,
         "confidence": plan.table.confidence,
         "days": state.there,
         "days_before": state.before,

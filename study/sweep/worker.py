@@ -26,7 +26,7 @@ from scenario.scenario import Scenario
 from study.runner.run import TEMPORARY, CarrierKind
 from study.sweep.day import ProcessCache, run_day
 from study.sweep.digest import code_digest, inputs_digest
-from study.sweep.kept import kept_day
+from study.sweep.kept import is_kept, kept_day
 from study.sweep.point import point_id, scenario_of
 from study.sweep.records import DayOutcome, DayRecord, DaySpec
 from study.sweep.store import NotSharedError, check_shared, day_name, filed_day, write_day
@@ -79,11 +79,11 @@ def run_task(task: Task) -> FiledDay:
 
 
 def task_done(task: Task) -> FiledDay:
-    """Run a day and file it, or take it as it is if this code has filed it: who did was lost before it could say so."""
+    """Run a day and file it, or take it as this code has filed and kept it: who did was lost before it could say so."""
     out = Path(task.out)
     check_shared(out, task.token)
     record = filed_day(out, day_name(task.spec, task.index))
-    if record is None or record.code != code_digest():
+    if record is None or record.code != code_digest() or not is_kept(record, out, task.keep):
         return run_task(task)
     return FiledDay(record, 0.0, 0.0, 0, 0, f"pid {psutil.Process().pid}")
 

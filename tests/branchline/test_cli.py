@@ -288,3 +288,9 @@ def test_the_first_signal_keeps_what_was_run_so_far_with_its_report(
     again = read_run(kept)
     came = again.tables.stops.filter(pl.col("arrival_s").is_not_null())
     assert came["station"].to_list() == ["HSK", "SHN"]
+
+
+def test_what_an_exploration_counts_is_never_taken_for_a_number(main: Callable[..., Any]) -> None:
+    """Of a level crossing everything is counted: `any` would be 99 times, unsaid."""
+    ended = main("verify", "explore", "any", "--crossing", "barriers", "--states", "1")
+    assert (ended.code, "CONFIG" in ended.err, "numbers" in ended.err) == (2, True, True)

@@ -207,6 +207,7 @@ def test_a_run_is_looked_at_again_with_a_slider(browser: Any, tmp_path: Path) ->
         )
         page.shows("#clock", "10:00:30")
         page.shows(".trains", "T1")
+        Seated(browser, address, "dispatcher", "ja").shows(".trains", "A駅")  # where it was last, by its name
         page.page.get_by_role("button", name="event before").click()
         page.shows(".answer", "done")
         expect(page.page.locator("#clock")).to_contain_text(EARLIER, timeout=WAIT_MS)

@@ -65,6 +65,15 @@ def test_a_station_that_the_track_lacks_lies_where_the_list_says_between_its_nei
     assert any("丁 lies at km 19.8" in text for text in new.remarks) is (abs(places["丁"] - 20_000.0) > 250.0)
 
 
+def test_the_first_kilometrage_that_is_known_says_where_counting_begins(
+    tmp_path: Path, geometry: tuple[Path, Path]
+) -> None:
+    new = joined(tmp_path, geometry, "name,km\n甲,\n乙,12.7\n丁,19.9\n")
+    places = {s.name: s.position_m for s in new.line.stations.values()}
+    assert places["乙"] == pytest.approx(12_700.0, abs=1.0)
+    assert not any("lies at km" in text for text in new.remarks)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -190,6 +190,25 @@ def test_a_file_without_tracks_is_refused(tmp_path: Path) -> None:
     )
 
 
+def test_places_of_coarser_levels_are_left_and_those_of_no_level_refused(tmp_path: Path) -> None:
+    """A file of all levels has each place on each of them: `meso` is made of tracks, and a node has no length."""
+    node = RAILML_3.replace("</netElements>", '<netElement id="macro"/></netElements>')
+    as_drawn = read(tmp_path, RAILML_3)
+    for level in ("meso", "macro"):
+        spot = f'<spotLocation id="c{level}" netElementRef="{level}" pos="0"/>'
+        many = node.replace("<leftBranch", f"{spot}<leftBranch").replace("</signalIS>", f"{spot}</signalIS>")
+        many = many.replace('<designator register="R"', f'{spot}<designator register="R"')
+        layout = read(tmp_path, many)
+        assert (signals(layout), stations(layout)) == (signals(as_drawn), stations(as_drawn))
+    assert "netElementRef" in refused(tmp_path, many.replace('netElementRef="macro"', 'netElementRef="none"'))
+    alone = '<netElements><netElement id="macro"/></netElements>'
+    head, rest = RAILML_3.split("<netElements>", 1)
+    coarse = head + alone + rest.split("</netElements>", 1)[1]
+    coarse = coarse.split("<functionalInfrastructure>", 1)[0] + "</infrastructure></railML>"
+    coarse = coarse.split("<netRelations>", 1)[0] + "</topology></infrastructure></railML>"
+    assert "microscopic" in refused(tmp_path, coarse)
+
+
 @pytest.mark.parametrize("text", [RAILML_2, RAILML_3], ids=["2.4", "3.2"])
 def test_a_truncated_file_gets_one_line(tmp_path: Path, text: str) -> None:
     for share in (0.1, 0.5, 0.9):

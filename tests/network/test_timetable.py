@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from network.clock import clock
+from network.clock import clock, first_given
 from network.errors import InputError
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Direction
@@ -298,3 +298,8 @@ def test_ten_minutes_before_midnight_are_minus_ten_minutes() -> None:
         "00:00:00",
         "01:00:00",
     ]
+
+
+def test_midnight_is_a_time_that_is_given() -> None:
+    assert first_given(None, 0, 30) == 0
+    assert (Call("A", None, 0, 30).first_s, Call("A", None, 30, 0).last_s) == (0, 0)

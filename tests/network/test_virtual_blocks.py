@@ -66,6 +66,23 @@ def test_a_border_in_a_platform_lies_beside_it_at_the_nearer_end(
     assert cut.pieces[block_id].to_m == pytest.approx(ends_m)
 
 
+def test_a_border_beside_a_platform_lies_in_no_other() -> None:
+    """One of km 7.96 to 8.025 too: 60 m before that of km 8.1245 is in it, so that the border goes behind both."""
+    line = load_line(shipped_line("karasuyama"))
+    halt = next(
+        s for s in line.stations.values() if s.tracks[0].platform_m == pytest.approx((8124.5, 8189.5))
+    )
+    for first in (True, False):
+        own = replace(
+            halt, id="own", tracks=tuple(replace(t, platform_m=(7960.0, 8025.0)) for t in halt.tracks)
+        )
+        stations = {"own": own} | line.stations if first else line.stations | {"own": own}
+        cut = with_virtual_blocks(replace(line, stations=stations), 20)
+        ends_m = [piece.to_m for piece in cut.pieces.values() if piece.id.startswith("HSK-OGN_")]
+        assert not any(7900.0 < end_m < 8249.5 for end_m in ends_m)
+        assert any(end_m == pytest.approx(8249.5) for end_m in ends_m)
+
+
 def test_all_that_lies_on_a_section_lies_on_its_blocks() -> None:
     """A platform lies in one block, with 60 m to spare; every tag, beacon and marker in the block that it is in."""
     line = load_line(shipped_line("karasuyama"))

@@ -19,7 +19,7 @@ from onboard.notes import Departs
 from scenario.scenario import load_scenario
 from simulation.events import BarrierState, CrossingBarriers, CrossingEntered, CrossingLamps
 from simulation.faults.crossings import BarriersStuck, CrossingUndetected, LampsDead
-from simulation.faults.devices import PowerCut, Restart
+from simulation.faults.devices import Frozen, PowerCut, Restart
 from simulation.faults.links import Cut, Delay, Duplicate, FaultyLink, Loss
 from simulation.faults.script import Script, ScriptedFault, Trigger
 from simulation.result import RunResult
@@ -51,6 +51,7 @@ def run(name: str, *failures: ScriptedFault) -> RunResult:
 FAULTS: Final = (
     PowerCut(target="C1"),
     Restart(target="C1"),
+    Frozen(target="C1"),
     Cut(target=LINK),
     Loss(target=LINK, p=0.5),
     Delay(target=LINK, seconds=3.0),
@@ -68,6 +69,18 @@ FAILURES = st.builds(
     st.floats(-60.0, 120.0).map(lambda at_s: round(at_s, 1)),
     st.floats(1.0, 120.0).map(lambda for_s: round(for_s, 1)),
 )
+
+
+@pytest.mark.parametrize(("from_s", "lasts_s"), [(-30.0, 60.0), (-5.0, 600.0), (5.0, 30.0), (30.0, 10.0)])
+def test_a_crossing_that_freezes_is_closed_as_by_contacts_nobody_asks_it(
+    from_s: float, lasts_s: float
+) -> None:
+    """Its watchdog lets the relays fall; when it goes on, it opens once who it has counted in is out."""
+    frozen = ScriptedFault(Frozen(target="C1"), Trigger(at_s=TEN_S + from_s), lasts_s)
+    result = run("107_crossing_contacts", frozen)
+    assert (list(broken_rules(result)), list(unfinished(result))) == ([], [])
+    lamps = [e.event.lit for e in result.journal.entries if isinstance(e.event, CrossingLamps)]
+    assert lamps[-1] is (lasts_s > 60.0 and result.end_step / 10.0 < TEN_S + from_s + lasts_s)
 
 
 @A_FIFTH

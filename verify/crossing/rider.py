@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 from msgspec.structs import replace
 
 from onboard.crossings.machine import CrossingPhase, CrossingPlace, CrossingView
-from onboard.crossings.talk import CrossingTalk, _as_it_runs
+from onboard.crossings.talk import CrossingTalk
 from onboard.duty.records import DutyPhase, DutyState, StopLimit
 from radio.envelope import DropReason
 from radio.messages import AnyMessage, CrossingRequest
@@ -141,15 +141,9 @@ class RiderModel:
     def talk(self, state: RiderState) -> CrossingTalk:
         """The unit's own, as it was left."""
         talk, place = CrossingTalk(forgot=state.booted), self.place(state) if state.known else None
-        if state.view is not None:
-            talk._views[CROSSING] = state.view
-            if state.view.phase is not CrossingPhase.AHEAD:
-                talk._announced[CROSSING] = None
-        if state.correlation:
-            talk._correlations[CROSSING] = state.correlation
-        if place is not None and not place.clear and state.view is not None:
-            talk._places = {CROSSING: _as_it_runs(place, _duty(state), math.inf)}
-        talk._goes_on = True
+        views: dict[str, CrossingView] = {} if state.view is None else {CROSSING: state.view}
+        places = () if place is None or place.clear or state.view is None else (place,)
+        talk.resume(views, {CROSSING: state.correlation} if state.correlation else {}, places, _duty(state))
         return talk
 
     def held(self, state: RiderState) -> bool:
@@ -166,7 +160,7 @@ class RiderModel:
         state = state._replace(heard=heard.epoch)
         talk, before = self.talk(state), state.view
         talk.hear(heard, NOW_S)
-        after = talk._views.get(CROSSING)
+        after = talk.views.get(CROSSING)
         step = self._left(state, talk)
         if after is None or after.phase is not CrossingPhase.PROVEN:
             return step
@@ -180,14 +174,14 @@ class RiderModel:
         place = self.place(state) if state.known else None
         places = None if not state.known else () if place is None else (place,)
         talk.look(places, _duty(state), math.inf, NOW_S)
-        correlation, anew = talk._correlations.get(CROSSING, 0), False
+        correlation, anew = talk.correlations.get(CROSSING, 0), False
         if correlation > CURRENT:
             correlation, anew = CURRENT, True
         sends = tuple(
             InAir(state.epoch, state.heard, CURRENT if letter.correlation else 0, _plain(letter.message))
             for letter in talk.letters
         )
-        view = talk._views.get(CROSSING)
+        view = talk.views.get(CROSSING)
         after = state._replace(view=None if view is None else _settled(view), correlation=correlation)
         told = Told.DROPPED if not (_relies(view) or committed(after)) else Told.NOTHING
         return RiderStep(name, after, sends, told, anew)

@@ -108,7 +108,7 @@ def _edited(*changes: tuple[str, str]) -> str:
         (('line = "karasuyama"', 'line = "elsewhere"'), "for the line elsewhere"),
         (("1;537$0,1;542/543", "1;547$0,1;542/543"), "changed since"),
         (("# branchline", "# somebody"), "nothing is carried"),
-        (("dwell_min_s = 20", "dwell_min_s = twenty"), "nothing is carried"),
+        (("dwell_min_s = 20", "dwell_min_s = twenty"), "changed since"),
     ],
 )
 def test_what_is_gone_from_a_file_is_said(change: tuple[str, str], why: str) -> None:

@@ -212,3 +212,13 @@ def test_stock_that_stood_without_driving_tells_the_carrier_how_it_begins_to_mov
     assert course[:-1] == [0.0] * (len(course) - 1)
     run_m = float(bench.trains.truths[0].position_m) - 80.0
     assert run_m == pytest.approx(0.5 * plant.speed_mps * STEP_S, abs=1e-9)
+
+
+def test_who_stands_is_judged_in_every_step_too(rtri_setup: Setup) -> None:
+    """What it sees while it stands may tell it that it is elsewhere, until it sees better."""
+    bench = Bench(rtri_setup)
+    bench.trains.units[0].mode = MODE_HOLD
+    bench.trains.units[0].position_m += 500.0
+    bench.advance()
+    assert bench.course == []
+    assert bench.sheet.worst[0, 0] > 400.0

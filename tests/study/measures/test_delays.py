@@ -153,6 +153,30 @@ def test_late_entry_is_primary_and_the_queue_outside_secondary(setup: Setup) -> 
     assert (never.primary_s, never.secondary_s) == (never.grown_s, 0.0) and never.grown_s > 3600.0
 
 
+def test_midnight_is_a_time_as_any_other(setup: Setup) -> None:
+    """Its first departure at midnight, a train comes before it and waits for another; and a call at midnight that is
+    cancelled is as late as stated from then.
+    """
+
+    def lost(by_s: int) -> list[tuple[float, float, float, float]]:
+        calls = (replace(CALLS[0], departure_s=1000 - by_s), Call("B", None, 1200 - by_s, None))
+        train = TimetableTrain("1", Direction.DOWN, True, calls, AtPortal("P"), Stabled())
+        day = Timetable(HeadTable(id="t", line="l"), {"1": train}, (Diagram("K1", ("1",)),))
+        stops = [stop("1", "A", (None, 1000.0 - by_s), (None, 1005.0 - by_s))]
+        comes_s = 1000.0 - by_s - setup.operation.portal_lead_s
+        entries: list[tuple[float, str, Noted]] = [
+            (comes_s, WORLD, Entered(unit_id="K1", train="1", edge_ids=("e",))),
+            (990.0 - by_s, MANAGER, Refused(unit_id="K1", other_id="K2", why="HELD")),
+            (996.0 - by_s, MANAGER, Granted(unit_id="K1", section_ids=("s",), token=1, route_id="r")),
+        ]
+        found = delays_of(result(stops, entries), replace(setup, timetable=day))[:1]
+        return [(d.at_s + by_s, d.primary_s, d.secondary_s, d.other_s) for d in found]
+
+    assert lost(1000) == lost(0) == [(1005.0, 0.0, 5.0, 0.0)]
+    cancelled = replace(stop("1", "B", (0.0, 30.0), (None, None)), stated_late_s=60.0)
+    assert next(d.at_s for d in delays_of(result([cancelled]), setup)) == 60.0
+
+
 def test_what_a_train_loses_on_sight_is_its_failures(setup: Setup) -> None:
     stops = [ON_TIME[0], stop("1", "B", (1200.0, 1230.0), (1500.0, 1521.0)), *ON_TIME[3:]]
     entries: list[tuple[float, str, Noted]] = [

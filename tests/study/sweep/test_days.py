@@ -51,6 +51,15 @@ def test_days_and_one_of_them_again(tmp_path: Path, main: Callable[..., Ended]) 
     once_more = main("sweep", "tiny.toml", "--out", "swept", "--json").figures()
     assert (once_more["days_before"], once_more["days_run"]) == (4, 0)
     assert once_more["points"] == found["points"]
+    # What is to be kept from now on is kept of the days that are there too: they are run again, and are the same.
+    (tmp_path / "tiny.toml").write_text(
+        (tmp_path / "tiny.toml").read_text("utf-8").replace('["journal"]', '["journal", "trajectory"]'),
+        "utf-8",
+    )
+    kept = main("sweep", "tiny.toml", "--out", "swept", "--jobs", "1", "--json").figures()
+    assert (kept["days_before"], kept["days_run"]) == (0, 4)
+    assert kept["points"] == found["points"]
+    assert len(list((tmp_path / "swept" / "runs").glob("*/trajectory.parquet"))) == 4
 
 
 @pytest.mark.nightly

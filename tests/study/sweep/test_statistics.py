@@ -187,15 +187,19 @@ def test_days_that_are_all_alike_end_no_sweep(monkeypatch: pytest.MonkeyPatch) -
     assert (alike.value, alike.low, alike.high, alike.apart_from_0) == (0.0, None, None, False)
 
 
-@pytest.mark.parametrize(("days", "apart"), [(1, False), (5, False), (6, True)])
+@pytest.mark.parametrize(
+    ("days", "said", "apart"),
+    [(1, SAID, False), (5, SAID, False), (6, SAID, True), (7, 0.99, False), (8, 0.99, True)],
+)
 def test_a_difference_that_is_the_same_every_day_is_none_of_chance_from_six_days_on(
-    days: int, apart: bool
+    days: int, said: float, apart: bool
 ) -> None:
-    """Six equal signs of fair coins: 2 / 2^6, three in a hundred."""
-    assert difference_of([(0.0, 3.0)] * days, SAID).apart_from_0 is apart
+    """Six equal signs of fair coins: 2 / 2^6, three in a hundred; eight: eight in a thousand."""
+    assert difference_of([(0.0, 3.0)] * days, said).apart_from_0 is apart
     # 10.4 - 10.1 and 30.5 - 30.2 differ in the last bits of what they are stored in, and in nothing else.
-    pairs = [(10.1, 10.4), (20.1, 20.4), (30.2, 30.5), (40.1, 40.4), (50.1, 50.4), (60.1, 60.4)][:days]
-    found = difference_of(pairs, SAID)
+    firsts = [10.1, 20.1, 30.2, 40.1, 50.1, 60.1, 70.2, 80.2]
+    pairs = [(first, round(first + 0.3, 1)) for first in firsts[:days]]
+    found = difference_of(pairs, said)
     assert (found.low, found.apart_from_0) == (None, apart)
 
 

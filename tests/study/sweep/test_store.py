@@ -9,11 +9,13 @@ import pytest
 
 import study
 from network.errors import InputError
+from study.sweep import cluster
 from study.sweep.digest import CODE
 from study.sweep.go import SweepProgress, sweep_begun
 from study.sweep.plan import load_plan
+from study.sweep.report import write_sweep_report
 from study.sweep.store import NotSharedError, check_shared, opened_sweep
-from study.sweep.table import days_csv
+from study.sweep.table import days_csv, summary_of
 from study.sweep.worker import Task, run_task
 from tests.study.sweep.conftest import DRAW
 from tests.study.sweep.here import OneByOne, swept, table
@@ -47,6 +49,16 @@ def test_more_days_keep_those_that_are_there(sweep_file: Path, out: Path) -> Non
     sweep_file.write_text(sweep_file.read_text("utf-8").replace("0.5", "0.7"), "utf-8")
     state = swept(sweep_file, out, days=6)
     assert (state.before, state.run, state.others) == (6, 6, 6)
+
+
+def test_what_carried_its_days_is_said_and_not_what_is_asked_for_now(sweep_file: Path, out: Path) -> None:
+    assert swept(sweep_file, out, days=2).carriers == "plain"
+    text = sweep_file.read_text("utf-8")
+    sweep_file.write_text(text.replace("[seeds]", 'carrier = "sumo"\n\n[seeds]', 1), "utf-8")
+    assert swept(sweep_file, out, days=2).carriers == "plain"
+    more = swept(sweep_file, out, days=3)
+    assert summary_of(more, out)["carrier"] == "plain and sumo"
+    assert "carried by plain and sumo" in write_sweep_report(more, out).read_text("utf-8")
 
 
 def test_directory_of_something_else_is_left_alone(sweep_file: Path, tmp_path: Path) -> None:
@@ -189,3 +201,11 @@ def test_day_that_sumo_carries_otherwise_fails_the_sweep(sweep_file: Path, out: 
     state = swept(sweep_file, out)
     assert len(state.failures) == 2  # the day is at both points
     assert "is another day on SUMO: another, not digest of 11" in state.failures[0]
+
+
+def test_a_worker_that_fails_without_a_word_sees_no_directory(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(out: Path, token: str) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(cluster, "check_shared", fails)
+    assert "MemoryError" in cluster.missing_on_worker("out", "token")
