@@ -373,7 +373,7 @@ def test_a_track_that_begins_and_ends_in_curves_has_their_limits_within_it(tmp_p
     pytest.importorskip("pyproj")
     turned = np.concatenate((np.linspace(-1.0, 0.0, 30), np.zeros(20), np.linspace(0.0, 1.0, 30)))
     sides = np.column_stack((np.sin(turned) / 89_500.0, np.cos(turned) / 111_000.0)) * 10.0
-    row = ([140.0, 36.6] + np.vstack(([0.0, 0.0], np.cumsum(sides, axis=0)))).tolist()
+    row = (np.array([140.0, 36.6]) + np.vstack(([0.0, 0.0], np.cumsum(sides, axis=0)))).tolist()
     table = write(tmp_path, "stations.json", stations(row[4], row[-5]))
     line = read_geometry(write(tmp_path, "polyline.json", polyline(row)), table).alignment
     assert len(line.limits) == 2
