@@ -118,7 +118,9 @@ def _line(name: str, one: Mapping[str, Any] | None) -> str:
         leads["ours"],
         leads["criterion"],
         without,
-        one["null"]["ours"],
+        one["null"]["ours"]
+        if leads["case"] == one["null_case"]  # else of another case, which is named: 9 of 10 are not 9 of 100
+        else {one["null_case"]: one["null"]["ours"]},
     )
     return "| " + " | ".join(cell_text(cell) for cell in cells) + f" | {met} |\n"
 

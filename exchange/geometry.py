@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Final
 
 import msgspec
 import numpy as np
@@ -56,7 +56,7 @@ _Part = tuple[str, list[tuple[float, float]]]  # key and coordinates of a featur
 
 class _Geometry(msgspec.Struct):
     type: str
-    coordinates: list[tuple[float, float]]
+    coordinates: list[Annotated[list[float], msgspec.Meta(min_length=2)]]  # GeoJSON lets heights follow
 
 
 class _Feature(msgspec.Struct):
@@ -155,7 +155,7 @@ def read_polyline(file: Path) -> Floats:
         if feature.geometry.type != "LineString":
             raise InputError(str(file), f"{key}.type", feature.geometry.type, "LineString")
         if feature.geometry.coordinates:
-            parts.append((key, feature.geometry.coordinates))
+            parts.append((key, [(east, north) for east, north, *_ in feature.geometry.coordinates]))
     points = _chained(str(file), parts)
     if len(points) > VERTICES_MAX:
         raise InputError(str(file), "features", len(points), f"at most {VERTICES_MAX} vertices")
@@ -271,7 +271,8 @@ def read_geometry(
     if only is None:
         turned = math.dist(track[-1], stops[0]) < math.dist(track[0], stops[0])
     else:
-        turned = _foot_m(track, stops[0]) > _foot_m(track, stops[-1])
+        dense = points_at(np.arange(0.0, chainage(track)[-1], _DEVIATION_STEP_M), chainage(track), track)
+        turned = _foot_m(dense, stops[0]) > _foot_m(dense, stops[-1])
     track = track[::-1] if turned else track
     if only is not None:
         track = _cut(track, stops)
@@ -407,7 +408,10 @@ def _alignment(fit: AxisFit, zero_m: float, begin_m: float, speed_max_kmh: float
     x_m = round(fit.east_m + ahead_m * math.sin(fit.bearing_rad), 3)
     y_m = round(fit.north_m + ahead_m * math.cos(fit.bearing_rad), 3)
     bearing_deg = round(math.degrees(fit.bearing_rad) % 360.0, 6)
-    limits = curve_limits(curves, speed_max_kmh)
+    limits = tuple(
+        replace(limit, from_m=max(limit.from_m, from_m), to_m=min(limit.to_m, to_m))
+        for limit in curve_limits(curves, speed_max_kmh)
+    )
     return Alignment("main", from_m, to_m, x_m, y_m, bearing_deg, 0.0, (), curves, limits, coverage=())
 
 

@@ -194,16 +194,19 @@ def _sense(part: list[KmRow]) -> int:
 
 
 def _thinned(part: list[KmRow]) -> list[KmRow]:
-    """Rows without those that a straight line between the ends says too, and without a second at one offset."""
-    kept: list[KmRow] = [part[0]]
-    for row in part[1:-1]:
-        (low_m, low_km_m), (high_m, high_km_m) = kept[-1], part[-1]
-        if row[0] - low_m < SAME_PLACE_M or high_m - row[0] < SAME_PLACE_M:
-            continue
-        straight_m = low_km_m + (row[0] - low_m) * (high_km_m - low_km_m) / (high_m - low_m)
-        if abs(straight_m - row[1]) > SAME_PLACE_M:
-            kept.append(row)
-    return [*kept, part[-1]]
+    """Rows without those that straight lines between the others say too, and without a second at one offset."""
+    (low_m, low_km_m), (high_m, high_km_m) = part[0], part[-1]
+
+    def off_m(index: int) -> float:
+        offset_m, km_m = part[index]
+        if offset_m - low_m < SAME_PLACE_M or high_m - offset_m < SAME_PLACE_M:
+            return 0.0
+        return abs(low_km_m + (offset_m - low_m) * (high_km_m - low_km_m) / (high_m - low_m) - km_m)
+
+    worst = max(range(1, len(part) - 1), key=off_m, default=0)
+    if not worst or off_m(worst) <= SAME_PLACE_M:
+        return [part[0], part[-1]]
+    return [*_thinned(part[: worst + 1]), *_thinned(part[worst:])[1:]]
 
 
 def carried_kilometrage(

@@ -1,14 +1,14 @@
-"""Points from the lie of the land: which of three tracks that meet is the stem, and to which side the branch leads."""
+"""What the lie of the land says: which of three tracks that meet is the stem of points, which track is the nearest."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
-from exchange.layout import Place, TurnoutSide
+from exchange.layout import LayoutTrack, Place, Spot, TurnoutSide
 
 CHORD_M: Final = 30.0  # over which a track's direction from a node counts: about the length of a turnout
 THROUGH_DEG_MIN: Final = 120.0  # less, and no train runs from one track into the other
@@ -62,3 +62,20 @@ def stem_and_legs(directions: Sequence[Place]) -> ForkLegs | None:
 def length_of_m(shape: Sequence[Place]) -> float:
     """Length of a polyline, m."""
     return sum(math.hypot(bx - ax, by - ay) for (ax, ay), (bx, by) in pairwise(shape))
+
+
+def nearest_spot(place: Place, tracks: Iterable[LayoutTrack], within_m: float) -> Spot | None:
+    """The nearest spot of any track within a distance, m."""
+    best: tuple[float, Spot] | None = None
+    for track in tracks:
+        along_m = 0.0
+        for (ax, ay), (bx, by) in pairwise(track.shape):
+            length_m = length_of_m([(ax, ay), (bx, by)])
+            share = ((place[0] - ax) * (bx - ax) + (place[1] - ay) * (by - ay)) / max(length_m**2, 1e-9)
+            share = min(max(share, 0.0), 1.0)
+            at = (ax + share * (bx - ax), ay + share * (by - ay))
+            far_m = length_of_m([place, at])
+            if far_m <= within_m and (best is None or far_m < best[0]):
+                best = far_m, Spot(track.id, round(along_m + share * length_m, 6))
+            along_m += length_m
+    return None if best is None else best[1]

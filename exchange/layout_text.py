@@ -54,6 +54,8 @@ def obstacles(layout: ForeignLayout) -> tuple[str, ...]:
             f" ({_some_nodes(layout, crossings)}): a line has ordinary points alone"
         )
     for track in layout.tracks:
+        if track.low_node == track.high_node:
+            found.append(f"track {track.name or track.id} comes back to where it begins: a line has two ends")
         for (offset_m, before_m), (again_m, after_m) in pairwise(track.kilometrage):
             if offset_m == again_m:
                 found.append(

@@ -128,9 +128,8 @@ def onto_line(
         trains.append(_planned(cut, timed, line, remarks))
         computed += sum(call.inferred for call in timed)
     if not trains:
-        raise InputError(
-            file, "trains", f"{len(published.trains)} trains", f"one with two stops on {line.id}"
-        )
+        expected = "; ".join((f"one with two stops on {line.id}", *remarks.sentences()))
+        raise InputError(file, "trains", f"{len(published.trains)} trains", expected)
     trains.sort(key=lambda train: (train.calls[0].first_s, train.number))
     trains = _linked(trains, cuts, remarks)
     stops = sum(len(train.calls) for train in trains)

@@ -35,8 +35,8 @@ from exchange.layout import (
     TurnoutSide,
     count_text,
 )
-from exchange.layout_draft import Merged, carried_kilometrage, km_rows, merged_pieces
-from exchange.layout_geometry import direction_from, length_of_m, stem_and_legs
+from exchange.layout_draft import JoinedEnds, Merged, carried_kilometrage, km_rows, merged_pieces
+from exchange.layout_geometry import direction_from, length_of_m, nearest_spot, stem_and_legs
 from exchange.osm_roads import ROAD_TAGS, protection_of
 from exchange.xml_input import local_name, needed_attribute, needed_number, read_xml
 from network.errors import InputError
@@ -44,6 +44,7 @@ from network.errors import InputError
 RAILS: Final = frozenset({"rail", "narrow_gauge", "light_rail"})
 STATION_TAGS: Final = frozenset({"station", "halt", "stop", "tram_stop"})
 NEAR_M: Final = 150.0  # of a station's node from its track, where no stop lies on one
+SPREAD_M: Final = 1000.0  # of the stops of one station, assumed: its tracks reach no further
 EXTENT_DEG_MAX: Final = 3.0  # of the cut: beyond, one plane is no longer true to scale
 
 
@@ -68,6 +69,7 @@ class _Source:
     file: str
     origin_deg: Place
     nodes: dict[str, _OsmNode]
+    same: JoinedEnds  # nodes that a way has one upon the other
     ways: list[_OsmWay]
     cut: int = 0
     left: Counter[str] = field(default_factory=Counter)
@@ -128,16 +130,8 @@ def _read(path: Path) -> _Source:
         raise InputError(
             file, "", None, f"OpenStreetMap XML, but the outermost element is {local_name(root)}"
         )
-    ways: list[_OsmWay] = []
     left = Counter[str]()
-    for element in root.iterfind("way"):
-        tags = _tags(element)
-        kind = tags.get("railway", "")
-        if kind in RAILS and tags.get("area") != "yes":
-            refs = tuple(needed_attribute(file, nd, "ref") for nd in element.iterfind("nd"))
-            ways.append(_OsmWay(needed_attribute(file, element, "id"), refs, tags))
-        elif kind:
-            left[f"way of railway={kind}"] += 1
+    ways = _ways(file, root, left)
     for element in root.iterfind("relation"):
         if "railway" in (tags := _tags(element)) or tags.get("route") in ("railway", "train", "tracks"):
             left["relation"] += 1
@@ -165,9 +159,34 @@ def _read(path: Path) -> _Source:
         node_id: _OsmNode(node_id, (round(float(x), 3), round(float(y), 3)), tags)
         for (node_id, (_, _, tags)), (x, y) in zip(found.items(), places, strict=True)
     }
-    source = _Source(file, (lon0, lat0), nodes, [], left=left)
+    source = _Source(file, (lon0, lat0), nodes, _same_nodes(nodes, ways), [], left=left)
     source.ways = list(_whole(source, ways))
     return source
+
+
+def _ways(file: str, root: ET.Element, left: Counter[str]) -> list[_OsmWay]:
+    """Ways that are rails; of two extracts put together, one that both have counts once."""
+    by_id: dict[str, _OsmWay] = {}
+    for element in root.iterfind("way"):
+        tags = _tags(element)
+        kind = tags.get("railway", "")
+        if kind in RAILS and tags.get("area") != "yes":
+            refs = tuple(needed_attribute(file, nd, "ref") for nd in element.iterfind("nd"))
+            way = _OsmWay(needed_attribute(file, element, "id"), refs, tags)
+            if by_id.setdefault(way.id, way) != way:
+                raise InputError(file, f"way {way.id}", None, "an id of its own")
+        elif kind:
+            left[f"way of railway={kind}"] += 1
+    return list(by_id.values())
+
+
+def _same_nodes(nodes: Mapping[str, _OsmNode], ways: Iterable[_OsmWay]) -> JoinedEnds:
+    """Nodes that a way has one upon the other: what goes on at one of them goes on at all."""
+    same = JoinedEnds()
+    for one, other in (pair for way in ways for pair in pairwise(way.nodes)):
+        if one in nodes and other in nodes and nodes[one].place == nodes[other].place:
+            same.join((one, 0), (other, 0))
+    return same
 
 
 def _tags(element: ET.Element) -> dict[str, str]:
@@ -179,10 +198,11 @@ def _whole(source: _Source, ways: Iterable[_OsmWay]) -> Iterator[_OsmWay]:
     for way in ways:
         parts: list[list[str]] = [[]]
         for ref in way.nodes:
-            if ref not in source.nodes:
+            node, _ = source.same.node_end((ref, 0))
+            if node not in source.nodes:
                 parts.append([])
-            elif not parts[-1] or source.nodes[parts[-1][-1]].place != source.nodes[ref].place:
-                parts[-1].append(ref)
+            elif parts[-1][-1:] != [node]:
+                parts[-1].append(node)
         source.cut += len(parts) > 1
         for number, part in enumerate(part for part in parts if len(part) > 1):
             yield replace(way, id=f"{way.id}~{number + 1}" if number else way.id, nodes=tuple(part))
@@ -196,11 +216,8 @@ def _pieces(source: _Source) -> Iterator[LayoutTrack]:
         degree.update(way.nodes[1:-1])
         degree.update((way.nodes[0], way.nodes[-1]))
     for way in source.ways:
-        cuts = [
-            0,
-            *(i for i in range(1, len(way.nodes) - 1) if degree[way.nodes[i]] != 2),
-            len(way.nodes) - 1,
-        ]
+        last_i = len(way.nodes) - 1
+        cuts = [0, *(i for i in range(1, last_i) if degree[way.nodes[i]] != 2), last_i]
         for number, (first, last) in enumerate(pairwise(cuts)):
             piece_id = f"{way.id}.{number + 1}" if number else way.id
             shape = tuple(source.nodes[ref].place for ref in way.nodes[first : last + 1])
@@ -284,7 +301,7 @@ def _node(
 
 def _on_track(source: _Source, done: Merged, node: str) -> tuple[str, float, int] | None:
     """Track, offset and sense of the piece at which a node lies; None where it lies on none."""
-    for piece_id, offset_m in source.places_of.get(node, ()):
+    for piece_id, offset_m in source.places_of.get(source.same.node_end((node, 0))[0], ()):
         moved = done.moved[piece_id]
         return moved.track_id, moved.offset_m(offset_m), moved.sign
     return None
@@ -347,14 +364,10 @@ def _stations(
     """Stations by name: stops on tracks are their spots; one without any takes the nearest track."""
     named: dict[str, list[_OsmNode]] = defaultdict(list)
     remarks: list[str] = []
-    nameless = 0
     for node in source.nodes.values():
         if node.tags.get("railway") in STATION_TAGS:
-            name = node.tags.get("name", "")
-            nameless += not name
-            if name:
-                named[name].append(node)
-    if nameless:
+            named[node.tags.get("name", "")].append(node)
+    if nameless := len(named.pop("", ())):
         remarks.append(f"{count_text(nameless, 'stop')} without a name")
     by_id = {track.id: track for track in tracks}
     stations: list[LayoutStation] = []
@@ -364,33 +377,22 @@ def _stations(
             for node in nodes
             if (here := _on_track(source, done, node.id)) is not None
         ]
-        if not spots and (near := _nearest(nodes[0].place, tracks)) is not None:
+        if not spots and (near := nearest_spot(nodes[0].place, tracks, NEAR_M)) is not None:
             spots = [near]
         if not spots:
             remarks.append(f"no place on the tracks: station {name}")
         known = [km_m for spot in spots if (km_m := by_id[spot.track_id].km_m(spot.offset_m)) is not None]
         code = next((n.tags["railway:ref"] for n in nodes if "railway:ref" in n.tags), "")
         position_m = round(sum(known) / len(known), 3) if known else None
+        if known and max(known) - min(known) > SPREAD_M:
+            position_m = None
+            remarks.append(
+                f"no kilometrage: station {name}, whose stops lie at km {min(known) / 1000:.3f} to"
+                f" {max(known) / 1000:.3f}: several of a name, or of several lines"
+            )
         stations.append(LayoutStation(nodes[0].id, code, name, position_m, tuple(spots)))
     stations.sort(key=lambda entry: (entry.position_m is None, entry.position_m or 0.0))
     return stations, remarks
-
-
-def _nearest(place: Place, tracks: Iterable[LayoutTrack]) -> Spot | None:
-    """The nearest spot of any track within NEAR_M."""
-    best: tuple[float, Spot] | None = None
-    for track in tracks:
-        along_m = 0.0
-        for (ax, ay), (bx, by) in pairwise(track.shape):
-            length_m = length_of_m([(ax, ay), (bx, by)])
-            share = ((place[0] - ax) * (bx - ax) + (place[1] - ay) * (by - ay)) / max(length_m**2, 1e-9)
-            share = min(max(share, 0.0), 1.0)
-            at = (ax + share * (bx - ax), ay + share * (by - ay))
-            far_m = length_of_m([place, at])
-            if far_m <= NEAR_M and (best is None or far_m < best[0]):
-                best = far_m, Spot(track.id, round(along_m + share * length_m, 6))
-            along_m += length_m
-    return None if best is None else best[1]
 
 
 def _signals(source: _Source, done: Merged) -> Iterator[LayoutSignal]:

@@ -135,7 +135,7 @@ def curvature_row(curve: Method) -> CaseRow:
             "error at X_m": round(curve.error_at_m("X"), 2),
             "out of bounds_m": round(ride.result.out_m, 3),
         },
-        curve.failed_at_m is None and after_m < X_BEFORE_B_M / 2.0 and ride.result.held,
+        ride.result.arrived and after_m < X_BEFORE_B_M / 2.0 and ride.result.held,
         "it arrives, never half as wrong after D, and never out of its bounds",
     )
 

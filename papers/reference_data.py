@@ -10,7 +10,7 @@ from network.errors import COMMAND_LINE, InputError
 from papers.reproduction import Options
 
 VARIABLE: Final = "BRANCHLINE_DATA"
-BESIDE: Final = Path(__file__).resolve().parents[2] / "../shared/data"  # of a checked-out project
+BESIDE: Final = Path(__file__).resolve().parents[1] / "../shared/data"  # of a checked-out project
 
 
 def reference_folder(options: Options, name: str) -> Path:

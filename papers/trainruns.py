@@ -234,7 +234,7 @@ def experiment(options: Options) -> Findings:
         rows,
         _parameters(kind, train),
         (
-            "the model of that simulator is a check in `study`, no second physics: nothing else runs by it",
+            "the model of that simulator is a check, no second physics: nothing else runs by it",
             "'converged' is our least running time with that train's braking; what it differs by is taken apart below",
             "the running times are those of its own tests; the four of the BR 642 are judged, its other trains told",
         ),

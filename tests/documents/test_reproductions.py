@@ -31,6 +31,13 @@ def test_the_case_that_leads_is_one_of_the_null_methods_that_is_met() -> None:
     assert [row["case"] for row in found["hangs_on"]] == ["the same by load"]
 
 
+def test_a_figure_of_another_case_than_the_one_that_leads_is_named() -> None:
+    name = next(iter(REPRODUCTIONS))
+    assert "| nothing | 2 | 2 of 3 |" in document({name: kept_of(made())})
+    fewer = (CaseRow("third: error, m", None, 3.0, False, "at most 0.5"),)
+    assert "| nothing | third: error, m: 3 | 2 of 3 |" in document({name: kept_of(made(fewer))})
+
+
 def test_a_null_method_that_meets_the_case_is_told() -> None:
     met = (WITHOUT[0], CaseRow("second: error, m", 0.5, 0.3, True, "at most 0.5"))
     name = next(iter(REPRODUCTIONS))

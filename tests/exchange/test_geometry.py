@@ -240,6 +240,8 @@ def test_missing_file_is_an_input_error(tmp_path: Path) -> None:
 def test_parts_are_joined(tmp_path: Path) -> None:
     path = write(tmp_path, "polyline.json", polyline([A, B], [B, C, D]))
     assert read_polyline(path).tolist() == [A, B, C, D]
+    path = write(tmp_path, "polyline.json", polyline([[*A, 12.5], B], [B, [*C, 30.0], D]))
+    assert read_polyline(path).tolist() == [A, B, C, D]  # heights may follow, which no figure comes of
 
 
 @pytest.mark.parametrize(
@@ -355,3 +357,25 @@ def test_track_is_turned_to_its_first_station(tmp_path: Path) -> None:
     assert got.stations[-1].position_m > 2000.0
     assert got.alignment.bearing_deg == pytest.approx(90.0, abs=1.0)
     assert math.copysign(1.0, got.alignment.from_m) == 1.0
+
+
+def test_a_long_side_with_two_stations_on_it_is_turned_too(tmp_path: Path) -> None:
+    """Both are nearer to its one end than to any other vertex."""
+    pytest.importorskip("pyproj")
+    track = write(tmp_path, "polyline.json", polyline([[140.06, 36.6], [140.03, 36.6], A]))
+    table = stations([140.005, 36.6], [140.012, 36.6])
+    got = read_geometry(track, write(tmp_path, "stations.json", table), only=(0, 1))
+    assert got.stations[1].position_m == pytest.approx(0.007 * 89_500.0, rel=0.01)
+
+
+def test_a_track_that_begins_and_ends_in_curves_has_their_limits_within_it(tmp_path: Path) -> None:
+    """A limit is in whole metres, and the track is not: a line file takes none that reaches beyond its alignment."""
+    pytest.importorskip("pyproj")
+    turned = np.concatenate((np.linspace(-1.0, 0.0, 30), np.zeros(20), np.linspace(0.0, 1.0, 30)))
+    sides = np.column_stack((np.sin(turned) / 89_500.0, np.cos(turned) / 111_000.0)) * 10.0
+    row = (np.array([140.0, 36.6]) + np.vstack(([0.0, 0.0], np.cumsum(sides, axis=0)))).tolist()
+    table = write(tmp_path, "stations.json", stations(row[4], row[-5]))
+    line = read_geometry(write(tmp_path, "polyline.json", polyline(row)), table).alignment
+    assert len(line.limits) == 2
+    assert line.limits[0].from_m == line.from_m
+    assert line.limits[-1].to_m == line.to_m

@@ -86,6 +86,14 @@ def test_posts_that_are_not_metre_for_metre_are_kept() -> None:
     assert len(km_rows(300.0, [(m, m) for m in (0.0, 100.0, 200.0, 300.0)], ())) == 2
 
 
+def test_a_post_on_the_way_to_one_that_is_off_is_kept() -> None:
+    """Two posts 100 m apart say 300: what lies before them on the straight line from end to end is still so."""
+    posts = [(0.0, 0.0), (5000.0, 5000.0), (5100.0, 5300.0), (10000.0, 10000.0)]
+    track = piece("a", "x", "y", 10000.0, km_rows(10000.0, posts, ()))
+    assert [track.km_m(offset_m) for offset_m, _ in posts] == [km_m for _, km_m in posts]
+    assert track.km_m(4900.0) == 4900.0
+
+
 def test_kilometrage_is_carried_over_points_in_its_sense() -> None:
     """Onto the legs it goes on growing, and from one leg onto the other it grows away from the toe as well."""
     stem = piece("stem", "a", "toe", 100.0)

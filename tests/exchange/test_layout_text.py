@@ -76,6 +76,8 @@ def test_what_is_in_the_way_is_named(tmp_path: Path) -> None:
         tmp_path, RAILML_3.replace('id="s1" type="ordinarySwitch"', 'id="s1" type="doubleSwitchCrossing"')
     )
     assert any("1 crossing or slip (km 1.000)" in text for text in obstacles(crossing))
+    ring = layout((track("1", "a", "a", 0, 900),), (station("A", 10), station("B", 800)))
+    assert obstacles(ring) == ("track 1 comes back to where it begins: a line has two ends",)
     jump = LayoutTrack("1", "1", "", "a", "b", 900, (), ((0, 0), (300, 300), (300, 350), (900, 950)))
     jumping = layout((jump,), (station("A", 10), station("B", 800)))
     assert obstacles(jumping) == (

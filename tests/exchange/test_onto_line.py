@@ -327,6 +327,10 @@ def test_a_day_without_any_train_on_the_line_is_refused() -> None:
         InputError, match=r"day\.oud: trains is '1 trains'; expected one with two stops on karasuyama"
     ):
         put(train("9M", call("宇都宮", "12:00"), call("宝積寺", "12:15 -")))
+    with pytest.raises(
+        InputError, match=r"two stops on karasuyama; left out: 9M \(it turns round at Hoshakuji\)"
+    ):
+        put(train("9M", call("宝積寺", "12:00"), call("大金", "12:15 12:16"), call("宝積寺", "12:40 -")))
 
 
 @pytest.mark.parametrize(("name", "track"), [("1", "1"), ("１番線", "1"), ("Track 2", "2"), ("3番線", None)])

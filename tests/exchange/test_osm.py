@@ -123,6 +123,27 @@ def test_a_way_without_some_of_its_nodes_is_cut_there(tmp_path: Path) -> None:
     assert "1 way reached beyond the file: cut there" in layout.assumed
 
 
+def test_two_nodes_at_one_place_are_one_and_a_way_of_two_extracts_is_one(tmp_path: Path) -> None:
+    drawn = read(tmp_path, OSM)
+    upon = OSM.replace("<way ", osm_node(33, 700, 0) + "<way ", 1)
+    upon = upon.replace('<nd ref="14"/><nd ref="3"/>', '<nd ref="14"/><nd ref="3"/><nd ref="33"/>')
+    upon = upon.replace('<nd ref="3"/><nd ref="12"/>', '<nd ref="33"/><nd ref="12"/>')
+    again = osm_way(1, [1, 2, 14, 3], ref="7", usage="branch")
+    for text in (upon, OSM.replace("</osm>", again + "</osm>")):
+        assert read(tmp_path, text).tracks == drawn.tracks
+        assert read(tmp_path, text).stations == drawn.stations
+    other = osm_way(1, [1, 2], ref="7", usage="branch")
+    assert "way 1; expected an id of its own" in refused(tmp_path, OSM.replace("</osm>", other + "</osm>"))
+
+
+def test_stops_of_one_name_far_apart_have_no_mean_kilometrage(tmp_path: Path) -> None:
+    """Two stations of a name, or tracks of another line: what lies in the middle is neither."""
+    far = OSM.replace(osm_node(1, 0, 0), osm_node(1, 0, 0, railway="stop", name="Birch"))
+    layout = read(tmp_path, far)
+    assert {s.name: s.position_m is None for s in layout.stations} == {"Birch": True, "Cedar": False}
+    assert any("Birch, whose stops lie at km 0.000 to 1.2" in text for text in layout.left)
+
+
 def test_three_tracks_that_form_no_points_and_four_are_crossings(tmp_path: Path) -> None:
     star = "\n".join(
         (

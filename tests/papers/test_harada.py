@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
@@ -92,6 +93,22 @@ def test_on_slipping_wheels_a_beacon_is_misread_and_without_the_slip_none_is() -
     misread = {"by beacons, X is taken for B", "by beacons, C and the next one are missed"}
     assert set(missed(harada_beacons.beacon_rows(dry, dry, dry))) >= misread
     assert not misread & set(missed(harada_beacons.beacon_rows(harada_beacons.by_paper(1), dry, dry)))
+
+
+@pytest.mark.parametrize("arrived", [True, False])
+def test_a_train_that_stays_on_the_way_does_not_go_by_curvature(arrived: bool) -> None:
+    """What it would believe further on nobody has seen, however right it was so far."""
+    trace = {"estimate_error_m": np.zeros(2)}
+    ride = SimpleNamespace(
+        kilometrage_m=np.array([0.0, 3000.0]),
+        trip=SimpleNamespace(place=SimpleNamespace(places_m=(0.0,))),
+        result=SimpleNamespace(trace=trace, held=True, out_m=-1.0, arrived=arrived),
+        run=SimpleNamespace(
+            trains=SimpleNamespace(plants=[SimpleNamespace(wheel_travelled_m=1.0, travelled_m=0.0)])
+        ),
+    )
+    method = SimpleNamespace(ride=ride, error_at_m=lambda _name: 0.0, failed_at_m=None)
+    assert harada_beacons.curvature_row(cast("harada_beacons.Method", method)).passed is arrived
 
 
 def test_harada_slide_and_without_the_mismatch_rule_it_is_not_declared() -> None:

@@ -229,6 +229,12 @@ def test_nonsense_in_a_train_is_bad_input(tmp_path: Path, changed: tuple[str, st
     assert key in str(caught.value)
 
 
+def test_data_lies_beside_the_project_where_nobody_says_where() -> None:
+    """Where every other test looks for it: one folder off, and all that need it are skipped."""
+    root = Path(__file__).resolve().parents[2]
+    assert BESIDE.resolve() == (root.parent / "shared/data").resolve()
+
+
 def test_data_that_is_not_there_is_asked_for_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="--data or BRANCHLINE_DATA"):
         reference_folder(Options(data=str(tmp_path)), FOLDER)
