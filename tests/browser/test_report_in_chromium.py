@@ -412,5 +412,7 @@ def test_a_train_that_did_not_leave_is_not_shown_as_on_time(
     with opened(browser, report_of(run, tmp_path)) as page:
         page.click("#tab-stations")
         page.select_option("#timetable-station", "OGN")
-        marked = page.locator("button.departure", has_text="(–)").evaluate_all("(all) => all.map((one) => one.title)")
+        marked = page.locator("button.departure", has_text="(–)").evaluate_all(
+            "(all) => all.map((one) => one.title)"
+        )
     assert marked == ["321M"]

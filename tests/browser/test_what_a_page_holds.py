@@ -1,5 +1,5 @@
-"""A page at the desk in Chromium while its run goes on: what is pressed is done however long that takes, and what is shown
-over a line that broke is said to be old until the line is there again.
+"""A page at the desk in Chromium while its run goes on: what is pressed is done however long that takes, and what is
+shown over a line that broke is said to be old until the line is there again.
 """
 
 from __future__ import annotations
@@ -17,7 +17,13 @@ from tests.console.conftest import two_trains  # noqa: F401
 if TYPE_CHECKING:
     from console.aside import ServedDesk
 
+PRESSED_MS: Final = 60_000  # what is not done until then was not pressed
 BEFORE_S: Final = 36_000.0 - 120.0  # the first train leaves at ten
+MIDDLE: Final = """() => {
+  const at = document.querySelector('.trains tbody button').getBoundingClientRect();
+  return [at.x + at.width / 2, at.y + at.height / 2];
+}"""
+DONE: Final = "() => document.querySelector('.answer').textContent === 'done'"
 LATER: Final = "was => document.querySelector('#clock').textContent > was"
 
 
@@ -42,11 +48,9 @@ def test_what_is_pressed_for_longer_than_a_picture_lasts_is_done(browser: Any, d
     page.keyboard.down(" ")
     goes_on(page)
     page.keyboard.up(" ")
-    seated.shows(".answer", "done")
+    page.wait_for_function(DONE, timeout=PRESSED_MS)
     seated.shows(".trains", "let go")
-    x, y = page.evaluate(
-        "() => { const at = document.querySelector('.trains tbody button').getBoundingClientRect(); return [at.x + 5, at.y + 5]; }"
-    )
+    x, y = page.evaluate(MIDDLE)
     page.mouse.move(x, y)
     page.mouse.down()
     goes_on(page)

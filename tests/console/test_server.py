@@ -218,7 +218,10 @@ def test_what_a_seat_may_not_do_is_refused_with_a_reason(
     "text",
     [
         *("", "{", "[]", '{"say":"pace"}', '{"say":"pace","factor":61}', '{"say":"hello","seat":"king"}'),
-        '{"say":"act","act":{"target":' + "[" * 400 + "]" * 400 + "}}",  # whoever wrote a reason of it broke down
+        '{"say":"act","act":{"target":'
+        + "[" * 400
+        + "]" * 400
+        + "}}",  # whoever wrote a reason of it broke down
         '{"say":"act","act":{"target":' + "[" * 5000 + "]" * 5000 + "}}",
     ],
 )
