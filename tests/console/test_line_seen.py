@@ -20,7 +20,12 @@ def listed(*events: tuple[str, Event]) -> list[float]:
 
 
 def test_an_answer_that_a_unit_has_had_is_listed_once_until_it_has_another() -> None:
-    asked = [(MANAGER, HELD), (MANAGER, UNDEFINED), (MANAGER, HELD), ("K1", SignOnDenied(why="undefined"))]
+    asked: list[tuple[str, Event]] = [
+        (MANAGER, HELD),
+        (MANAGER, UNDEFINED),
+        (MANAGER, HELD),
+        ("K1", SignOnDenied(why="undefined")),
+    ]
     assert listed(*asked, *asked) == [0.0, 1.0, 3.0]
     granted = (MANAGER, GRANTED)
     assert listed(*asked[:3], granted, *asked) == [0.0, 1.0, 4.0, 5.0, 7.0]  # a grant is seen in the sections
