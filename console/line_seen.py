@@ -225,8 +225,8 @@ class LineSeen:
 
     def _of_unit(self, t_s: float, heard: _Heard, event: object) -> None:
         match event:
-            case notes.MissionBegun(train=train):
-                heard.train = train
+            case notes.MissionBegun(train=train) if train != heard.train:
+                heard.train, heard.late_s = train, None  # the one before was late, not this one
             case notes.Arrived(station=station):
                 self._called(t_s, heard, station, leaves=False)
             case notes.Departs(station=station):

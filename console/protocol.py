@@ -23,6 +23,8 @@ from console.line_drawn import (
 )
 from console.pacing import FASTEST
 from console.seats import Seat
+from network.errors import InputError
+from network.files.text_input import check_nesting
 
 VERSION: Final = 3
 MESSAGE_BYTES_MAX: Final = 16_384
@@ -448,15 +450,19 @@ def hello_of(data: str | bytes) -> Hello:
 
 
 def request_of(data: str | bytes) -> Request:
-    """A further message. Raises msgspec.DecodeError for anything else."""
-    return _REQUESTS.decode(data)
+    """A further message. Raises msgspec.DecodeError for anything else, and for tables deeper than those of a file."""
+    try:
+        check_nesting("desk", msgspec.json.decode(data), "a message")
+        return _REQUESTS.decode(data)
+    except (RecursionError, InputError) as error:
+        raise msgspec.DecodeError(str(error)) from error
 
 
 def number_of(data: str | bytes) -> int:
     """The number of a message that is not understood; 0 where it has none."""
     try:
         return _NUMBER.decode(data).number
-    except msgspec.DecodeError:
+    except (msgspec.DecodeError, RecursionError):
         return 0
 
 

@@ -188,7 +188,7 @@ def _recovered(session: Session, course: ItemCourse) -> float | None:
     since = [one for one in late if one.to_s > course.begun_s]
     if any(not one.over or one.to_s > end_s for one in since):
         return None
-    outages_s = [on_s for off_s, on_s in line.outages if off_s >= course.begun_s and on_s is not None]
+    outages_s = [on_s for _, on_s in line.outages if on_s is not None and on_s > course.begun_s]
     return max([course.over_s, *outages_s, *(one.to_s for one in since)])
 
 

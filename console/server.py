@@ -196,8 +196,8 @@ class DeskServer:
             return refusal
         name = request.path_params["name"] or "index.html"
         for folder in (files("console") / "web", files("study") / "report" / "web"):
-            file = folder / name
-            if "/" not in name and file.is_file():
+            file = next((one for one in folder.iterdir() if one.name == name and one.is_file()), None)
+            if file is not None:
                 kind = TYPES.get(f".{name.rpartition('.')[2]}", "application/octet-stream")
                 return Response(file.read_bytes(), media_type=kind, headers=HEADERS)
         return PlainTextResponse("there is no such page", 404)

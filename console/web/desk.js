@@ -11,7 +11,7 @@ import { connect } from "./wire.js";
 import { wordsIn } from "./words.js";
 
 const asked = new URLSearchParams(location.search);
-const lang = asked.get("lang") ?? (navigator.language.startsWith("ja") ? "ja" : "en");
+const lang = (asked.get("lang") ?? navigator.language).startsWith("ja") ? "ja" : "en";
 const seat = asked.get("seat"), unit = asked.get("unit") ?? "", run = asked.get("run");
 const stations = new Map(); // those of the line, once it is known
 const words = wordsIn(lang, stations, await (await fetch("words.json")).json());
@@ -19,7 +19,7 @@ const say = (english, values = {}) => words.say(english, values, "desk");
 const make = (...parts) => element(document, ...parts);
 const paces = [0, 1, 5, 10, 60];
 const TOGETHER = ["pace", "one_step", "run_to", "go_back"]; // what both do of two runs side by side
-let ask, built = false, last = null, alarmed = 0, wasDefined = null, inCab = null, steps = null, read = 0;
+let ask, built = false, last = null, alarmed = 0, wasDefined = null, inCab = null, steps = null, read = 0, held = null, skipped = false;
 document.documentElement.lang = lang;
 if (lang === "ja") await document.fonts.load('12px "branchline-ja"', "\u65e5").catch(() => {}); // canvases do not wait for it
 
@@ -51,7 +51,7 @@ async function chooseSeat() {
 async function tell(word, fields) {
   const answer = await ask(word, fields);
   const line = document.querySelector(".answer");
-  line.textContent = answer.good ? say("done") : answer.why || say("no line to the desk");
+  line.textContent = answer.good ? say("done") : answer.why || (answer.sent ? say("the line broke: whether it was done is not known") : say("no line to the desk"));
   line.classList.toggle("bad", !answer.good);
   if (answer.good && word === "save") save(answer.text, `${fields.id}.toml`, "application/toml");
   if (answer.good && run && TOGETHER.includes(word)) together({ word, fields });
@@ -61,7 +61,7 @@ async function tell(word, fields) {
 
 /** The other one of two runs side by side is asked the same. */
 function together(request) {
-  parent.postMessage(request, location.origin);
+  if (parent !== window) parent.postMessage(request, location.origin);
 }
 
 function save(text, name, type) {
@@ -156,7 +156,17 @@ function eventList({ events }) {
     `${event.alarm ? "⚠ " : ""}${clock(event.time_s, true)} ${lang === "ja" ? event.who_ja : event.who}: ${lang === "ja" ? event.text_ja : event.text}`)));
 }
 
+// What is pressed, by finger or key, is not put anew until it is let go: it would not be clicked then.
+const isHeld = (host) => host.contains(held) && (skipped = true);
+for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, ({ target }) => { held = target; });
+for (const kind of ["pointerup", "pointercancel", "keyup", "blur"]) addEventListener(kind, () => {
+  held = null;
+  if (skipped) setTimeout(() => document.body.classList.contains("lost") || show(last));
+  skipped = false;
+});
+
 function keptFocus(host, node) {
+  if (isHeld(host)) return;
   const at = host.contains(document.activeElement) ? document.activeElement.getAttribute("aria-label")?.split(":")[0] : null;
   host.replaceChildren(node);
   if (at) [...host.querySelectorAll("[aria-label]")].find((one) => one.getAttribute("aria-label").split(":")[0] === at)?.focus();
@@ -164,6 +174,8 @@ function keptFocus(host, node) {
 
 function alarm({ state, events }) {
   const line = document.querySelector("#alarm");
+  if (wasDefined === null) line.textContent = ""; // that there was no line to the desk
+  if (events.length < alarmed) alarmed = 0;
   const fresh = events.slice(alarmed).filter((event) => event.alarm).at(-1);
   alarmed = events.length;
   const picture = `${state.manager_on} ${state.defined}`;
@@ -176,9 +188,10 @@ function alarm({ state, events }) {
 }
 
 function show(known, reason) {
+  document.body.classList.toggle("lost", !known);
   if (!known) {
     const line = document.querySelector("#alarm");
-    line.textContent = `⚠ ${say("no line to the desk")} ${reason ?? ""}`;
+    line.textContent = `⚠ ${reason === undefined ? say("nothing is heard from the desk: what is shown is old") : `${say("no line to the desk")} ${reason}`}`;
     line.classList.add("on");
     wasDefined = null;
     return;
@@ -191,14 +204,14 @@ function show(known, reason) {
   at("main").dataset.digest = state.digest;
   at("#clock").textContent = clock(Math.floor(state.time_s), true);
   const slide = at("#slider");
-  if (slide && document.activeElement !== slide) slide.value = state.time_s;
+  if (slide && slide !== held) slide.value = state.time_s;
   at("#running").textContent = state.ended ? `${say("ended")}: ${words.say(state.ended, {}, "ending")}` : say(state.running ? "runs" : "stands");
   for (const one of document.querySelectorAll("[data-pace]")) one.setAttribute("aria-pressed", String(Number(one.dataset.pace) === state.factor));
   keptFocus(at(".schematic"), schematic(known, words, pick));
   at(".graph").replaceChildren(trainGraph(known, words, run ? { width: 560, height: 160 } : {}));
   keptFocus(at(".trains"), make("div", {}, trainTable(known), crossingTable(known, words)));
   if (inCab && state.cab) inCab.show(state.cab);
-  if (steps) steps.show(state);
+  if (steps && !isHeld(steps.host)) steps.show(state);
   if (state.messages.length !== read) at("#messages").replaceChildren(...state.messages.slice(-3).map((one) => make("p", { class: "said" }, `✉ ${clock(one.time_s, true)} ${one.text}`)));
   read = state.messages.length;
   at(".log").replaceChildren(eventList(known));

@@ -51,14 +51,7 @@ export function procedure(welcome, words, tell, unit) {
   // For another train than that in the book a step may be another's; the desk says so then.
   const mine = ({ row, shown }, post, block) => shown.posts.includes(post) || (row.part === "train" && chosen.get(block) && post.split(" ")[0] === row.post);
 
-  // A button that is pressed is not put anew under the finger.
-  let pressed = false, latest = null;
-  host.addEventListener("pointerdown", () => { pressed = true; });
-  document.addEventListener("pointerup", () => { pressed = false; setTimeout(() => latest && show(latest)); });
-
   const show = (state) => {
-    latest = state;
-    if (pressed) return;
     const now = JSON.stringify([state.roles, state.works]);
     if (now === before) return;
     before = now;

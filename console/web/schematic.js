@@ -1,6 +1,6 @@
 // The line as a schematic: sections in order and not to scale, as the block manager has them, with the trains on them.
 import { crossingSigns } from "./roads.js";
-import { along, drawn } from "./svg.js";
+import { along, drawn, reportedIn } from "./svg.js";
 
 const WIDTHS = { track: 150, points: 64, between: 220, portal: 84 };
 const TALL = 22, LANE = 42, GAP = 6, MIDDLE = 97;
@@ -43,7 +43,7 @@ export function schematic(known, words, pick) {
     svg.append(drawn("g", { class: `section ${section.state}`, ...chosen("section", section.id), "aria-label": `${section.id}: ${said} ${section.unit}` },
       drawn("title", {}, `${section.id}: ${said} ${section.unit}`), drawn("rect", box),
       label(box.x + box.width / 2, box.y - 3, section.id, "middle")));
-    const here = state.trains.filter((train) => train.section ? train.section === section.id : train.at_m === null && train.sections[0] === section.id);
+    const here = state.trains.filter((train) => (train.section || reportedIn(train, welcome.stations, boxes)) === section.id);
     here.forEach((train, i) => marks.append(trainMark(box, train, i, chosen)));
     if (!here.length && section.unit) svg.append(label(box.x + box.width / 2, box.y + 15, section.unit, "middle", "unit"));
   }
@@ -107,7 +107,7 @@ export function trainGraph(known, words, { width = 450, height = 400 } = {}) {
   const y = (m) => low + ((m - first) / (last - first || 1)) * (height - low - 24);
   const svg = drawn("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": words.say("train graph, planned and so far", {}, "desk") },
     drawn("clipPath", { id: "paper" }, drawn("rect", { x: left, y: low - 8, width: width - left - 6, height: height - low - 16 })));
-  for (let t = Math.ceil(from / 1800) * 1800; t <= to; t += 1800) {
+  for (let t = Math.max(0, Math.ceil(from / 1800) * 1800); t <= to; t += 1800) {
     svg.append(drawn("line", { class: "grid", x1: x(t), x2: x(t), y1: low, y2: height - 24 }),
       label(x(t), height - 8, `${Math.floor(t / 3600)}:${String(Math.floor(t / 60) % 60).padStart(2, "0")}`, "middle"));
   }

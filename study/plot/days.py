@@ -16,7 +16,7 @@ from study.measures.wait_text import text_of
 from study.plot.choice import ChosenRun
 from study.record.as_run import trains_as_run
 from study.record.figure import rows_in
-from study.record.wait import Cause, Wait
+from study.record.wait import NO_WAIT, Cause, Wait
 from study.report.duty_graph import draw_duties as draw_duty_graph
 from study.report.duty_graph import duty_rows
 from study.report.style import (
@@ -65,6 +65,10 @@ CAUSE_COLOURS: Final[Mapping[Cause, str]] = {
     Cause.ARRIVAL_BY_EYE: "#7fbf9f",
     Cause.QUEUE: "#e8b7a0",
     Cause.PORTAL: "#e08b6d",
+    Cause.LATE: "#f2d9cc",
+    Cause.NOT_ITS_TURN: "#f0845a",
+    Cause.NO_WAY_ON: "#a63c06",
+    Cause.OVERLAP: "#e377c2",
 }
 
 
@@ -82,7 +86,7 @@ def waits_table(run: ChosenRun) -> pl.DataFrame:
 
 def draw_waits(run: ChosenRun) -> Figure | None:
     """A row a stock, coloured by what it waited for; blank where it ran or was off the line. None: no row."""
-    table = waits_table(run).filter(pl.col("cause").is_in([cause.value for cause in CAUSE_COLOURS]))
+    table = waits_table(run).filter(~pl.col("cause").is_in([cause.value for cause in NO_WAIT]))
     units = sorted(table["unit"].unique())
     if not units:
         return None

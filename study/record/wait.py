@@ -64,6 +64,7 @@ class AwaitedRequest(StrEnum):
 
 
 MOVING = (Cause.RUNS, Cause.STOP_LIMIT)
+NO_WAIT = (Cause.RUNS, Cause.OUTSIDE, Cause.LEFT)  # nothing is waited for
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from study.record.figure import rows_in
 from study.record.marks import DrillShown, Mark
 from study.record.parts import PagePart
 from study.record.shown import LearnedTrain
-from study.record.wait import Cause, Wait
+from study.record.wait import NO_WAIT, Wait
 from study.report.beside import Beside
 from study.report.bundle import words_of_the_page
 from study.report.courses import (
@@ -39,7 +39,6 @@ from study.wording.outcome import checker_name
 from study.wording.phrase import names_of
 
 FORMAT: Final = 1
-_UNSAID: Final = (Cause.RUNS, Cause.OUTSIDE, Cause.LEFT)  # nothing is waited for
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +135,7 @@ def _broken_at(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
 def waits_shown(run: ReportedRun) -> dict[str, Any]:
     """Why each stock waited, and when: sentences once each, in both languages; whole seconds."""
     names = names_of(run.line)
-    waits = [wait for wait in rows_in(Wait, run.tables.waits) if wait.cause not in _UNSAID]
+    waits = [wait for wait in rows_in(Wait, run.tables.waits) if wait.cause not in NO_WAIT]
     sentences = [text_of(wait, names) for wait in waits]
     distinct = list(dict.fromkeys(sentences))
     place = {sentence: i for i, sentence in enumerate(distinct)}

@@ -9,12 +9,16 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import polars as pl
 import pytest
 
+from study.report.data import ReportedRun
+from tests.browser.conftest import report_of
 from tests.nightly import others_nightly
 
 if TYPE_CHECKING:
@@ -397,3 +401,18 @@ def test_paper_has_the_whole_day(browser: Browser, weekday_report: Path) -> None
         page.evaluate("dispatchEvent(new Event('afterprint'))")
         page.emulate_media(media="screen")
         assert page.locator("#paper-energy").is_hidden()
+
+
+def test_a_train_that_did_not_leave_is_not_shown_as_on_time(
+    browser: Browser, weekday: ReportedRun, tmp_path: Path
+) -> None:
+    """321M leaves no station; all others leave them as planned, and have no figure in brackets."""
+    gone = pl.when(pl.col("train") != "321M").then(pl.col("departure_s")).alias("departure_s")
+    run = replace(weekday, tables=replace(weekday.tables, stops=weekday.tables.stops.with_columns(gone)))
+    with opened(browser, report_of(run, tmp_path)) as page:
+        page.click("#tab-stations")
+        page.select_option("#timetable-station", "OGN")
+        marked = page.locator("button.departure", has_text="(–)").evaluate_all(
+            "(all) => all.map((one) => one.title)"
+        )
+    assert marked == ["321M"]

@@ -1,7 +1,7 @@
 """What the desk lists of what is said again and again."""
 
 from console.line_seen import LineSeen
-from onboard.notes import SignOnDenied
+from onboard.notes import Arrived, MissionBegun, SignOnDenied
 from scenario.scenario import load_scenario
 from simulation.events import MANAGER, Acted, Event, JournalEntry
 from wayside.said import Granted, Refused
@@ -20,7 +20,12 @@ def listed(*events: tuple[str, Event]) -> list[float]:
 
 
 def test_an_answer_that_a_unit_has_had_is_listed_once_until_it_has_another() -> None:
-    asked = [(MANAGER, HELD), (MANAGER, UNDEFINED), (MANAGER, HELD), ("K1", SignOnDenied(why="undefined"))]
+    asked: list[tuple[str, Event]] = [
+        (MANAGER, HELD),
+        (MANAGER, UNDEFINED),
+        (MANAGER, HELD),
+        ("K1", SignOnDenied(why="undefined")),
+    ]
     assert listed(*asked, *asked) == [0.0, 1.0, 3.0]
     granted = (MANAGER, GRANTED)
     assert listed(*asked[:3], granted, *asked) == [0.0, 1.0, 4.0, 5.0, 7.0]  # a grant is seen in the sections
@@ -48,3 +53,17 @@ def test_who_did_something_is_said_in_the_language_of_the_reader() -> None:
     told = [event.shown for event in line.events]
     assert [one.who_ja for one in told] == ["閉そく管理装置", "指令員", "K1"]
     assert (told[1].who, told[1].text_ja) == ("controller", "列車の抑止（K1）")
+
+
+def test_how_late_a_train_was_is_not_said_of_the_next_of_its_set() -> None:
+    """T1 is to come to B at 10:02:00 and comes at 10:07:00; its set goes on as T3, which has not left yet."""
+    line = LineSeen(load_scenario("rtri_test_line").setup)
+
+    def late_s(event: Event) -> list[float | None]:
+        line.see(JournalEntry(10 * 3600.0 + 420.0, "K1", event))
+        return [train.late_s for train in line.trains]
+
+    assert late_s(MissionBegun(train="T1", direction="down")) == [None]
+    assert late_s(Arrived(station="B", error_m=0.0)) == [300.0]
+    assert late_s(MissionBegun(train="T1", direction="down")) == [300.0]  # its unit has begun again
+    assert late_s(MissionBegun(train="T3", direction="down")) == [None]

@@ -232,6 +232,23 @@ def test_nobody_has_recovered_while_a_train_stands_and_what_it_loses_grows(tmp_p
     assert ended["lost_train_minutes"] == pytest.approx(lost_s / 60.0, abs=0.01)
 
 
+def test_nobody_has_recovered_while_the_register_is_not_whole_again(two_trains: Scenario) -> None:
+    """A fault of five seconds while the block manager has no power for a minute, long before any train leaves."""
+    with Session(two_trains, CarrierKind.PLAIN) as session:
+        desk = Desk(session)
+        session.run_to((TEN - 400) * STEPS_PER_S)
+        ask(desk, Fail(fault={"kind": "power_off", "target": "block-manager", "duration_s": 60.0}))
+        session.run_to((TEN - 390) * STEPS_PER_S)
+        ask(desk, Fail(fault={"kind": "clock", "target": "K1", "duration_s": 5.0}))
+        session.run_to((TEN - 380) * STEPS_PER_S)
+        assert [one["recovered_s"] for one in scored(desk)["faults"]] == [None, None]
+        session.run_to((TEN - 150) * STEPS_PER_S)  # it is whole, and no train is late yet
+        power, clock = scored(desk)["faults"]
+    assert power["recovered_s"] >= 60.0
+    whole_s = power["began_s"] + power["recovered_s"]
+    assert clock["began_s"] + clock["recovered_s"] == pytest.approx(whole_s, abs=0.1)
+
+
 def test_a_fault_of_the_drill_that_is_served_is_in_its_protocol() -> None:
     with Session(load_scenario(find_drill("rtri/09_manager_power")), CarrierKind.PLAIN) as session:
         desk = Desk(session)

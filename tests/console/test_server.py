@@ -215,7 +215,15 @@ def test_what_a_seat_may_not_do_is_refused_with_a_reason(
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{", "[]", '{"say":"pace"}', '{"say":"pace","factor":61}', '{"say":"hello","seat":"king"}']
+    "text",
+    [
+        *("", "{", "[]", '{"say":"pace"}', '{"say":"pace","factor":61}', '{"say":"hello","seat":"king"}'),
+        '{"say":"act","act":{"target":'
+        + "[" * 400
+        + "]" * 400
+        + "}}",  # whoever wrote a reason of it broke down
+        '{"say":"act","act":{"target":' + "[" * 5000 + "]" * 5000 + "}}",
+    ],
 )
 def test_what_is_no_message_is_refused_and_the_connection_goes_on(door: Door, text: str) -> None:
     visit = Visit(door)
@@ -294,7 +302,7 @@ def test_who_takes_no_seat_makes_room(door: Door, monkeypatch: pytest.MonkeyPatc
 def test_pages_come_from_two_folders_and_from_nowhere_else(door: Door) -> None:
     client = Visit(door).client
     assert client.get("/graphpaper.js").headers["content-type"].startswith("text/javascript")
-    for name in ("session.py", "..%2fsession.py", "%2e%2e/session.py", "a/b.js"):
+    for name in ("session.py", "..%2fsession.py", "%2e%2e/session.py", "a/b.js", "a" * 300):
         assert client.get(f"/{name}").status_code == 404
     assert "default-src 'self'" in client.get("/graphpaper.js").headers["content-security-policy"]
 

@@ -115,7 +115,7 @@ export function stationsPaper(host, context) {
   const bounds = { x0: day.window[0] - 300, x1: day.window[1] + 300 };
   const gantt = makeGantt(stage, bounds, () => trackRows(day, words), words.say("Track occupation over time"), says(readout));
   context.layers.push(gantt.layer);
-  heading(doc, host, words.say("Station timetable"), words.say("Departures as planned, hour by hour; in brackets as run, seconds after plan, from 15 s on. Small: where the train goes."));
+  heading(doc, host, words.say("Station timetable"), words.say("Departures as planned, hour by hour; in brackets as run, seconds after plan, from 15 s on; –: it did not leave. Small: where the train goes."));
   const place = element(doc, "div", { class: "timetables" });
   const choice = element(doc, "select", { id: "timetable-station", onchange: (event) => fill(event.target.value) },
     ...day.line.stations.map((station) => element(doc, "option", { value: station.id, selected: station.id === context.state.station }, words.place(station))));
@@ -170,7 +170,7 @@ function stationTimetable(doc, day, station, direction, context) {
     const last = train.calls[train.calls.length - 1].station;
     const two = String(Math.floor(at / 60) % 60).padStart(2, "0");
     const seconds = at % 60 ? `.${String(at % 60).padStart(2, "0")}` : "";
-    const behind = Math.abs(late) >= 15 ? ` (${late > 0 ? "+" : "−"}${Math.abs(Math.round(late))})` : "";
+    const behind = Number.isNaN(call.d) ? " (–)" : Math.abs(late) >= 15 ? ` (${late > 0 ? "+" : "−"}${Math.abs(Math.round(late))})` : "";
     return element(doc, "button", {
       type: "button", class: `departure${passes ? " passes" : ""}${train.revenue ? "" : " empty"}`, title: train.number,
       onclick: () => context.showTrain(train.number),

@@ -16,10 +16,12 @@ from network.errors import InputError
 from study.measures.wait_text import at_time
 from study.plot import stations
 from study.plot.choice import Choice, chosen_run, time_of
+from study.plot.days import CAUSE_COLOURS
 from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
 from study.plot.words import plot_word
 from study.plot.write import default_name, figure_of, format_of, write_plot
 from study.record.read_back import RunRead, read_run
+from study.record.wait import Cause
 from study.report.drawn import DPI, Format
 from study.report.style import drawing
 from study.runner.run import write_run
@@ -177,6 +179,10 @@ def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
         axes = figure_of(run, kind_of("train-graph")).axes[0]
     low, high = axes.get_xlim()
     assert (low, high) == (6 * 3600.0, 6.5 * 3600.0)
+
+
+def test_whatever_is_waited_for_is_seen_and_blank_is_who_waits_for_nothing() -> None:
+    assert set(CAUSE_COLOURS) == set(Cause) - {Cause.RUNS, Cause.OUTSIDE, Cause.LEFT}
 
 
 def test_sentences_stand_in_the_table_of_waits(read: RunRead) -> None:
