@@ -29,7 +29,7 @@ def _running_through(line: Line, passes_s: list[int], arrives_s: int) -> Setup:
 
 
 def test_a_train_that_runs_through_at_the_times_of_its_driving_is_on_time() -> None:
-    """Kururi's 32 km are slow in the hills and fast in the plain: nowhere is it late by what others would have needed."""
+    """Kururi's line is slow in the hills and fast in the plain: each part takes what it takes."""
     line = load_line(shipped_line("kururi"))
     slow = _running_through(line, [BEGINS_S + 600 * i for i in range(1, 13)], BEGINS_S + 7800)
     _, there = planned_day(slow).trains["1"][0].stands
