@@ -28,7 +28,7 @@ FEWEST_WORK: Final = 0.2  # for one with as few tracks as may be that stations d
 WHOLE_WORK: Final = 1.0  # for the least of a day as a whole
 WIDE_WORK: Final = 0.3  # the same where printed times move far: such a proof is rare
 WIDE_TRAINS_MAX: Final = 20  # with more it is not looked for: that takes time which is not counted
-FAR_S: Final = 2400  # nor, with more, a plan that moves times further, where more tracks would do
+FAR_S: Final = PRESOLVED_S  # nor, with more, a plan that moves times further, where more tracks would do
 BESIDE_WORK: Final = 0.3  # for moves beyond the limit, where it is known which tracks would keep it
 STEPS_WORK: Final = 0.7  # for a better plan in steps, where there is no proof, on an account of its own
 
@@ -69,14 +69,12 @@ def nearest_plan(
     left = WORK_MAX
     why = "no plan keeps all trains apart"
     none_within_s = 0
+    far_s = max(FAR_S, min(reach_s for reach_s in REACHES_S if reach_s >= limit_s))
     for reach_s in REACHES_S:
-        if reach_s > FAR_S and max(map(len, days)) > WIDE_TRAINS_MAX:
+        if reach_s > far_s and max(map(len, days)) > WIDE_TRAINS_MAX:
             lacking = lacking_tracks()
             if lacking is not None:
-                known = f"; proven: none moves each by {none_within_s} s or less" if none_within_s else ""
-                raise NothingFoundError(
-                    f"none was found that moves no time by more than {FAR_S} s{known}", lacking
-                )
+                raise NothingFoundError(_not_within(far_s, none_within_s), lacking)
         found: list[tuple[int, int, Arranged]] = []
         certain = True
         for index, trains in enumerate(days):
@@ -110,6 +108,13 @@ def nearest_plan(
             if reach_s >= limit_s and max(map(len, days)) > WIDE_TRAINS_MAX and lacking_tracks() is not None:
                 left = min(left, BESIDE_WORK)
     raise NothingFoundError(why, lacking_tracks())
+
+
+def _not_within(far_s: int, none_within_s: int) -> str:
+    if none_within_s >= far_s:
+        return f"proven: no plan moves every time by {none_within_s} s or less"
+    known = f"; proven: none by {none_within_s} s or less" if none_within_s else ""
+    return f"no plan was found that moves every time by {far_s} s or less{known}"
 
 
 def _of_reach(tell: Tell, reach_s: int) -> Tell:

@@ -14,8 +14,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from typing import Final
+
+import numpy as np
 
 from network.graph import overlaps_coming_in, overlaps_going_out
 from network.model import Line, SectionKind
@@ -25,7 +27,7 @@ from onboard.duty_parameters import ReleaseRule
 from simulation.setup import Setup
 from simulation.world.roster import OPENING_S
 from study.feasibility.entries import Entries
-from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedTrain
+from study.feasibility.planned import SIGNS_S, PlannedDay, PlannedNode, PlannedTrain
 from study.feasibility.timing import throws_s
 
 CLEARS_S: Final = (
@@ -273,17 +275,8 @@ class Rehearsal:
     def _run(self, train: PlannedTrain, node: int) -> tuple[float, float]:
         """Running time to the next node, and the time before which the train does not come there, s."""
         here, there = train.nodes[node], train.nodes[node + 1]
-        if here.target is None or there.target is None:  # part of a run: its share of the way
-            ahead = next(i for i, s in enumerate(train.stands) if s.target.mark_m >= there.position_m)
-            whole_m = train.stands[ahead].target.mark_m - train.stands[ahead - 1].target.mark_m
-            share = (there.position_m - here.position_m) / max(whole_m, 1.0)
-            return train.stands[ahead].run_s * min(
-                share, 1.0
-            ), there.arrives_s - self._setup.unit.time_margin_s
-        stands = [s for s in train.stands if here.position_m < s.target.mark_m <= there.position_m]
-        halts = sum(stand.target.passengers for stand in stands[:-1])
-        runs_s = sum(stand.run_s for stand in stands) + halts * self._setup.unit.dwell_min_s
-        given = there.target.arrival_s is not None
+        runs_s = _driven_s(train, here, there, self._setup.unit.dwell_min_s)
+        given = there.target is None or there.target.arrival_s is not None
         return runs_s, there.arrives_s - self._setup.unit.time_margin_s if given else -math.inf
 
     def _arrive(self, one: _RehearsedSet, now_s: float) -> None:
@@ -335,3 +328,19 @@ class Rehearsal:
             one.at += 1
             one.node = one.asks = 0
             self._at(max(one.train.duty.enter_s, now_s), partial(self._wait, one))
+
+
+def _driven_s(train: PlannedTrain, here: PlannedNode, there: PlannedNode, dwell_min_s: float) -> float:
+    """From one node to another as the train is driven, s, with its stops at halts between them."""
+    driven_s = 0.0
+    for before, stand in pairwise(train.stands):
+        at_m = (before.target.mark_m, *(p.position_m for p in stand.target.passings), stand.target.mark_m)
+        low_m, high_m = max(here.position_m, at_m[0]), min(there.position_m, at_m[-1])
+        if low_m >= high_m:
+            continue
+        if math.isinf(stand.run_s):
+            return math.inf
+        begin_s, end_s = np.interp((low_m, high_m), at_m, (0.0, *stand.passes_s, stand.run_s)).tolist()
+        halts = stand.target.passengers and high_m < there.position_m
+        driven_s += end_s - begin_s + (dwell_min_s if halts else 0.0)
+    return driven_s

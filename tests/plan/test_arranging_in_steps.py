@@ -194,6 +194,19 @@ def test_the_halt_at_which_trains_could_meet_is_named_with_them() -> None:
     assert plan.none_within_s == 300
 
 
+def test_of_many_trains_no_plan_is_looked_for_that_moves_times_far_where_a_track_would_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """570 s are the least, as above: not looked for beyond 300, but where 500 are allowed."""
+    monkeypatch.setattr(nearest, "WIDE_TRAINS_MAX", 1)
+    monkeypatch.setattr(nearest, "FAR_S", 300)
+    with pytest.raises(NothingFoundError, match=r"^proven: no plan moves every time by 300 s or less$") as why:
+        nearest_plan([_by_a_halt()], 60, _room([_meet()]))
+    assert why.value.lacking == MoreTracks({"L": 1}, 30, {"L": ("1", "2")})
+    plan = nearest_plan([_by_a_halt()], 500, _room([_meet()]))
+    assert max(move.by_s for move in plan.arranged.moves) == 570
+
+
 def test_a_train_of_which_no_arrival_is_printed_has_time_to_come() -> None:
     """It runs for 3,000 s after the last time that is printed of the day."""
     first, last = _train("1", "AB", NOON, tracks=TRACKS).visits
