@@ -26,7 +26,7 @@ def trains(
 
     with needing_extra("plan", "trains"):
         from plan.least_interval import AS_UNITS_ASK, SET_LATE
-        from plan.most_trains import most_trains
+        from plan.most_trains import TRAINS_MAX, most_trains
 
     if out is not None:
         new_day(out, scenario)
@@ -40,10 +40,10 @@ def trains(
         f"a train each way has {found.section_id} for {found.held_s:.1f} s of {60 * every} s",
     ]
     if found.undecided:
-        numbers = ", ".join(map(str, found.undecided))
-        rows.append(
-            f"neither found nor excluded: {numbers} (work {found.work:.2f}; more of it by --work)"
-        )
+        first, last = found.undecided[0], found.undecided[-1]
+        numbers = f"{first}" if first == last else f"{len(found.undecided)} numbers from {first} to {last}"
+        more = "more of it by --work" if first <= TRAINS_MAX else "so many are looked for evenly spaced only"
+        rows.append(f"neither found nor excluded: {numbers} (work {found.work:.2f}; {more})")
     if found.waits is not None:
         surely = "least that it can be" if found.waits.proven else "perhaps more than it need be"
         rows.append(f"waits: {found.waits.waits_s:.0f} s of all trains together, {surely}")

@@ -23,6 +23,7 @@ from study.capacity.compression import held_sections
 from study.capacity.rules import Rules
 
 EVENLY: Final = 0.5  # of the solver's work at most, for each number of trains that are evenly spaced: a small question
+TRAINS_MAX: Final = 24  # assumed: of more each way the model alone takes minutes; those are looked for evenly spaced
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,8 @@ class MostTrains:
 
     `section_id`: the one that a train each way has longest, for `held_s` together. `pattern` and `waits`: the trains,
     and how they run; None where not one fits. They repeat every `repeats_s`, which is less than the period where they
-    are evenly spaced. `undecided`: the numbers of trains of which `work` of the solver says nothing.
+    are evenly spaced. `undecided`: the numbers of trains of which `work` of the solver says nothing, and those beyond
+    `TRAINS_MAX`.
     """
 
     trains: int
@@ -93,13 +95,16 @@ class _NumberSearch:
 
     def run(self, at_most: int) -> None:
         """With no more than so many trains."""
-        self.tell(f"evenly spaced trains, at most {at_most} each way")
-        self.trains = next((trains for trains in range(at_most, 0, -1) if self._fit_evenly(trains)), 0)
+        for trains in range(at_most, 0, -1):
+            self.tell(f"{trains} trains each way of at most {at_most}")
+            if self._fit_evenly(trains):
+                self.trains = trains
+                break
         for trains in range(self.trains + 1, at_most + 1):
             self.tell(f"{trains} trains each way of at most {at_most}")
             left = max(0.0, self.work_max - self.work)
             share = left / (at_most + 1 - trains) if self.one.goes_round else left
-            if share <= 0.0:
+            if share <= 0.0 or trains > TRAINS_MAX:
                 self.undecided.append(trains)
                 continue
             pattern = pattern_of(self.setup, self.rules, trains)
@@ -118,9 +123,11 @@ class _NumberSearch:
         fitting, repeats_s, known = self.fitting
         if known.proven and repeats_s == self.every_s:
             return self.fitting
+        known = replace(known, waits_s=known.waits_s * (self.every_s / repeats_s), proven=False)
+        if self.trains > TRAINS_MAX:
+            return fitting, repeats_s, known
         pattern = pattern_of(self.setup, self.rules, self.trains)
         waits = least_waits(pattern, pattern.bounds(), round(self.every_s / TERMS.tick_s))
-        known = replace(known, waits_s=known.waits_s * (self.every_s / repeats_s), proven=False)
         better = bool(waits.moves_s) and waits.waits_s <= known.waits_s
         return (pattern, self.every_s, waits) if better else (fitting, repeats_s, known)
 

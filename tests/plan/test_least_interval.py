@@ -212,14 +212,19 @@ def test_trains_need_not_be_evenly_spaced_to_be_as_many_as_a_track_takes() -> No
 
 
 @pytest.mark.parametrize(
-    ("impossible", "evenly", "found"),
-    [(True, False, (2, 2, ())), (False, False, (2, 3, (3,))), (False, True, (3, 3, ()))],
+    ("impossible", "evenly", "most", "found"),
+    [
+        (True, False, 24, (2, 2, ())),
+        (False, False, 24, (2, 3, (3,))),
+        (False, True, 24, (3, 3, ())),
+        (True, False, 2, (2, 3, (3,))),
+    ],
 )
 def test_more_trains_are_excluded_only_where_that_is_proven(
-    impossible: bool, evenly: bool, found: tuple[object, ...], monkeypatch: pytest.MonkeyPatch
+    impossible: bool, evenly: bool, most: int, found: tuple[object, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of three trains each way in two hours no moves are found, be it proven or not; two are had, and three if every
-    40 minutes one is.
+    """Of three trains each way in two hours no moves are found, be it proven or not, or they are not looked for; two
+    are had, and three if every 40 minutes one is.
     """
 
     def waits(pattern: RepeatedPaths, _bounds: object, period: int, *_: object) -> LeastWaits:
@@ -228,8 +233,9 @@ def test_more_trains_are_excluded_only_where_that_is_proven(
         return LeastWaits(((0.0,),), 0.0, proven=True, impossible=False, work=0.1)
 
     monkeypatch.setattr("plan.most_trains.least_waits", waits)
-    most = most_trains(setup_of(WEEKDAY), 7200, WORK)
-    assert (most.trains, most.at_most, most.undecided) == found
+    monkeypatch.setattr("plan.most_trains.TRAINS_MAX", most)
+    trains = most_trains(setup_of(WEEKDAY), 7200, WORK)
+    assert (trains.trains, trains.at_most, trains.undecided) == found
 
 
 def test_all_shipped_lines_with_trains_each_way_are_shown() -> None:
