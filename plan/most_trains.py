@@ -22,8 +22,8 @@ from simulation.setup import Setup
 from study.capacity.compression import held_sections
 from study.capacity.rules import Rules
 
-EVENLY: Final = 0.5  # of the solver's work at most, for each number of trains that are evenly spaced: a small question
-TRAINS_MAX: Final = 24  # assumed: of more each way the model alone takes minutes; those are looked for evenly spaced
+EVENLY: Final = 0.5  # of the solver's work at most, for each number of evenly spaced trains: a small question
+TRAINS_MAX: Final = 24  # assumed: of more the model alone takes minutes; those are looked for evenly spaced
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,7 +39,9 @@ FAST: Final = Rules(unslowed=True)
 SET_LATE: Final = Rules(unslowed=True, late=True)
 CLAIMS_COUNT = True  # a way is claimed before the departure; for tests alone
 HALTS_COUNT = True  # off: what is drawn for a halt costs no time
-SET_IN_A_STAND = True  # off: a way is set when the stand is over, and as long before the departure as units ask for it
+SET_IN_A_STAND = (
+    True  # off: a way is set when the stand is over, and takes as long as units ask for it before
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +70,14 @@ def day_of(setup: Setup) -> DispatchedDay:
     planned = _legs(setup, AS_UNITS)
     day = _LateTrains(setup)
     fast, set_late = (
-        {_name(leg): leg for legs in _legs(setup, rules).values() for leg in legs} for rules in (FAST, SET_LATE)
+        {_name(leg): leg for legs in _legs(setup, rules).values() for leg in legs}
+        for rules in (FAST, SET_LATE)
     )
     sets_s = {name: leg.departs_s - _claimed_s(leg) for name, leg in set_late.items()}
     rows = [
-        _SetOperations(day, [_DrivenLeg(leg, fast.get(_name(leg), leg), sets_s.get(_name(leg))) for leg in legs])
+        _SetOperations(
+            day, [_DrivenLeg(leg, fast.get(_name(leg), leg), sets_s.get(_name(leg))) for leg in legs]
+        )
         for legs in planned.values()
     ]
     delays = tuple(delay for index, row in enumerate(rows) for delay in row.delays(index))
@@ -231,7 +236,7 @@ class _SetOperations:
         earliest_s = leg.planned.departs_s + drawn.doors_s + late_s
         self.departs.append(len(self._pieces))
         longer = self._day.halts(leg.fast) if HALTS_COUNT else []
-        faster = leg.setting_s / -begins_s if begins_s else 1.0  # a way that is waited for is set in less time
+        faster = leg.setting_s / -begins_s if begins_s else 1.0  # it may be claimed sooner than it must
         for one_s, other_s in list(pairwise(sorted(times))) or [(0.0, 0.0)]:
             sections = {s: 0.0 for s, begin, end in held if max(begin, begins_s) <= one_s < end}
             if other_s == arrives_s:

@@ -154,7 +154,7 @@ def longest_beyond_its_stand_s(setup: Setup, problem: DispatchedDay) -> float:
 def test_a_way_that_is_waited_for_is_set_in_the_time_that_that_takes(
     setup: Setup, late: DispatchedDay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """No points lie before the terminus: two telegrams, not the 45 s by which units ask sooner; and within the stand."""
+    """Two telegrams before the terminus, which has no points, not the 45 s by which units ask; and within the stand."""
     _, claim, _ = turn_at_the_terminus(late)
     assert 0 < claim.min_duration <= 4
     assert longest_beyond_its_stand_s(setup, late) <= 2.0  # both are rounded up
