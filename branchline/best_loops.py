@@ -59,7 +59,8 @@ def loops(
         else:
             s = choice.found.interval_s
             rows.append(f"{where:20}  {s:6d} s   {3600 / s:7.2f}  {choice.found.waits_s:4.0f} s")
-    rows.append("each interval is proven: every smaller whole second is excluded")
+    if any(choice.found is not None and choice.found.interval_s is not None for choice in choices):
+        rows.append("each interval is proven: every smaller whole second is excluded")
     figures = [
         {"loops": c.loops, "why_not": c.why_not, **(figures_of(c.found) if c.found else {})} for c in choices
     ]

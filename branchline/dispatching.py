@@ -9,7 +9,7 @@ import typer
 
 from branchline.ending import end_with
 from branchline.extras import needing_extra
-from branchline.options import Json
+from branchline.options import Json, SolverWork
 from branchline.progress import print_aside
 
 VERDICTS: Final = {"ORDER": "live", "NONE": "dead", "UNKNOWN": "unknown"}
@@ -25,14 +25,7 @@ def displib(
             help="Without --out or --work: say what is wrong with this solution, and solve nothing.",
         ),
     ] = None,
-    work: Annotated[
-        float,
-        typer.Option(
-            "--work",
-            min=0.001,
-            help="How much the solver may work; 1 is about eight seconds of one processor.",
-        ),
-    ] = 60.0,
+    work: SolverWork = 60.0,
     as_json: Json = False,
 ) -> None:
     """Find the order of trains in which delays cost least, and below which cost there is none.

@@ -106,3 +106,11 @@ OutsideMin = Annotated[
         help="With --line: least time that a set stays beyond a portal, s.",
     ),
 ]
+SolverWork = Annotated[
+    float,
+    typer.Option(
+        "--work",
+        min=0.001,
+        help="How much the solver may work; 1 is about eight seconds of one processor.",
+    ),
+]

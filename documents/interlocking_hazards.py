@@ -210,9 +210,13 @@ HAZARDS: Final = (
             "rtri/92b_ends_early_lost",
             "rtri/92c_ends_early_doubled",
             "rtri/92d_ends_early_report_lost",
+            "rtri/93_left_out",
+            "rtri/93b_left_out_lost",
+            "rtri/93c_left_out_doubled",
             "rtri/130_other_track_late",
             "rtri/131_ends_early_late",
             "rtri/132_route_back_late",
+            "rtri/138_left_out_late",
         ),
     ),
     Hazard(

@@ -20,9 +20,10 @@ from typing import TYPE_CHECKING, Final, Self
 import zenoh
 
 from host.lockstep import Asker, PartyAnswer, Tagged, of_certificate, of_run
+from host.order_solver import HANGS_S
 from host.over_tls import FAR, FarProcess, PartyInvitation, PowerDeed, ToldFar
 from host.parties import ForeignError, PartyBug, PartyError
-from host.party import Advance, PartySpec
+from host.party import Advance, PartySpec, Role
 from host.patience import Patience
 from host.planes import (
     ANSWER_LIMIT_S,
@@ -51,6 +52,11 @@ _START_POLL_S: Final = 0.005
 _ARRIVAL_POLL_S: Final = 0.0005
 _DEATH_LIMIT_S: Final = 2.0
 _OWN_SESSION: Final = "1"
+
+
+def answer_limit_s(role: Role) -> float:
+    """After how long without an answer a party hangs, s; a block manager may itself wait for the solver of orders."""
+    return ANSWER_LIMIT_S + (HANGS_S if role is Role.BLOCK_MANAGER else 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +97,8 @@ class ZenohParties:
 
     Entering the context is the first commissioning of those that have none there.
 
-    Raises PartyError if a party does not start within 30 s (join within 10 min) or does not answer within 10 s,
-    with what it last wrote, and ForeignError as soon as anybody else is heard.
+    Raises PartyError if a party does not start within 30 s (join within 10 min) or does not answer within
+    `answer_limit_s`, with what it last wrote, and ForeignError as soon as anybody else is heard.
     """
 
     def __init__(
@@ -325,7 +331,8 @@ class ZenohParties:
         A party that is slow is asked the same again. If this process was stopped, its own limit may have run out over
         an answer that is there: such a time is not counted.
         """
-        patience = Patience(ANSWER_LIMIT_S, gap_s_max=2.0 * ASK_AGAIN_S)
+        limit_s = answer_limit_s(hosted.spec.role)
+        patience = Patience(limit_s, gap_s_max=2.0 * ASK_AGAIN_S)
         while True:
             try:
                 reply = hosted.querier.get(payload=question).recv()
@@ -339,7 +346,7 @@ class ZenohParties:
                 text = "" if reply.err is None else reply.err.payload.to_string()
                 raise ForeignError(f"a foreign reply to the question to {hosted.spec.party_id}: {text}")
             if patience.is_over():
-                raise PartyError(self._complaint(hosted, f"hangs for {ANSWER_LIMIT_S:g} s"))
+                raise PartyError(self._complaint(hosted, f"hangs for {limit_s:g} s"))
         try:
             answer = hosted.asker.answer(sample.payload.to_bytes())
         except ForeignError:

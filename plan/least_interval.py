@@ -76,13 +76,14 @@ class RepeatedPaths:
 class LeastWaits:
     """By how much each leg of each path is moved, s (none: no moves were found), and how long all trains wait, s.
 
-    `proven`: the least; `impossible`: there are no moves.
+    `proven`: the least; `impossible`: there are no moves. `work`: what the solver counts.
     """
 
     moves_s: tuple[tuple[float, ...], ...]
     waits_s: float
     proven: bool
     impossible: bool
+    work: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,7 +212,7 @@ def least_waits(pattern: RepeatedPaths, bounds: LegBounds, period: int, work: fl
     model.model.minimize(sum(model.moves[part][-1] - model.moves[part][0] for part in own))
     found = model.solve(work)
     if found.moves is None:
-        return LeastWaits((), math.nan, proven=False, impossible=found.impossible)
+        return LeastWaits((), math.nan, proven=False, impossible=found.impossible, work=found.work)
     stands = (bound for bound in bounds.always if not bound.section_id and bound.after > bound.before)
     waits = found.cost - sum(bound.least for bound in stands)
     moves_s = [move * bounds.terms.tick_s for move in found.moves]
@@ -220,6 +221,7 @@ def least_waits(pattern: RepeatedPaths, bounds: LegBounds, period: int, work: fl
         waits * bounds.terms.tick_s,
         found.proven,
         impossible=False,
+        work=found.work,
     )
 
 

@@ -11,6 +11,7 @@ from typing import Final
 from ortools.sat.python import cp_model
 from ortools.sat.python.cp_model_helper import Literal
 
+from network.errors import InputError
 from plan.dispatching.checker import cost_of, objections
 from plan.dispatching.instance import Instance, Solution, StartEvent
 from plan.dispatching.model import DispatchModel
@@ -71,6 +72,8 @@ def _search(
         solver.parameters.max_deterministic_time = max(until - work, 0.0)
         status = solver.solve(dispatch.model)
         work += solver.response_proto.deterministic_time
+        if status == cp_model.MODEL_INVALID:
+            raise InputError("the instance", "times and costs", None, "numbers whose sums stay below 2**63")
         if status == cp_model.INFEASIBLE:
             return Answer(None, best.bound, impossible=True, work=work)
         bound = max(best.bound, round(solver.best_objective_bound))

@@ -162,6 +162,12 @@ def test_sets_turn_on_two_tracks_by_turns_where_that_is_quicker(
     assert 2 * 169 < interval_s[2] < interval_s[1]
 
 
+def test_nothing_is_proven_of_loops_where_no_train_runs_from_end_to_end(main: Callable[..., Any]) -> None:
+    ended = main("best", "loops", "rtri_test_line")
+    assert ended.code == 1
+    assert "from one end to the other" in ended.out and "proven" not in ended.out
+
+
 def test_a_search_says_what_it_looks_for(main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """The first is Hoshakuji's track by its time; that many fit."""
     monkeypatch.setattr("branchline.progress.SPOKEN_AFTER_S", 0.05)

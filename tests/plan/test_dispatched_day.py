@@ -1,6 +1,7 @@
 """A late day as a dispatching problem: what stands in it is of the line, and its solution is the order of a run."""
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -11,14 +12,14 @@ from network.errors import InputError
 from plan.dispatching import day
 from plan.dispatching.checker import objections
 from plan.dispatching.day import DispatchedDay, day_of, moves_of
-from plan.dispatching.instance import read_instance
+from plan.dispatching.instance import TrainOperation, read_instance
 from plan.dispatching.solver import solve
 from scenario.scenario import load_scenario
 from simulation.late.entry import entry_late_s
 from simulation.late.settings import Late
 from simulation.late_day import DrawnStay, late_day
 from simulation.setup import Setup
-from study.capacity.legs import follows_on
+from study.capacity.legs import follows_on, stand_of
 from study.feasibility.planned import planned_day
 from study.runner.journeys import journeys_of
 
@@ -83,7 +84,8 @@ def test_people_lengthen_a_stand_and_doors_put_off_a_departure(
             sets_out_s = ours[operation].start_lb - theirs[operation].start_lb
             stands_s = ours[operation - 1].min_duration - theirs[operation - 1].min_duration
             assert sets_out_s == pytest.approx(drawn.doors_s, abs=1.0)
-            assert stands_s == pytest.approx(drawn.people_s, abs=1.0)
+            # A late train's doors hold it as well (`simulation.platforms.held_until`).
+            assert stands_s == pytest.approx(drawn.people_s + drawn.doors_s, abs=1.0)
             people_s, doors_s = people_s + drawn.people_s, doors_s + drawn.doors_s
     assert people_s > 60.0 and doors_s > 5.0
 
@@ -109,22 +111,55 @@ def test_what_halts_take_longer_is_time_on_the_way(
     assert lasts_s[0] - lasts_s[1] == pytest.approx(drawn_s, abs=legs)  # each is rounded up
 
 
+def turn_at_the_terminus(problem: DispatchedDay) -> tuple[TrainOperation, ...]:
+    """Of 322M, which leaves the terminus: its stand there, the claim of its way, and the departure."""
+    ((index, operation),) = [
+        (index, operation)
+        for index, legs in enumerate(problem.legs)
+        for leg, operation in zip(legs, problem.departs[index], strict=True)
+        if leg.number == "322M" and leg.start is not None and leg.start.section_id == "KRS.1"
+    ]
+    return problem.instance.trains[index][operation - 1 : operation + 2]
+
+
 def test_each_set_has_what_its_way_needs_before_it_sets_out(
     setup: Setup, late: DispatchedDay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """From the request on, 45 s before the departure, it has the place and its way; without that, from then on."""
-
-    def leads(problem: DispatchedDay) -> set[int]:
-        return {
-            problem.instance.trains[index][operation].min_duration
-            for index, legs in enumerate(problem.legs)
-            for leg, operation in zip(legs, problem.departs[index], strict=True)
-            if leg.number == "322M" and leg.start is not None and leg.start.section_id == "KRS.1"
-        }
-
-    assert all(45 <= lead <= 50 for lead in leads(late))
+    _, claim, departure = turn_at_the_terminus(late)
+    assert 45 <= departure.start_lb - claim.start_lb <= 50
     monkeypatch.setattr(day, "CLAIMS_COUNT", False)
-    assert all(lead > 300 for lead in leads(day_of(setup)))
+    _, claim, _ = turn_at_the_terminus(day_of(setup))
+    assert claim.min_duration > 300
+
+
+def longest_beyond_its_stand_s(setup: Setup, problem: DispatchedDay) -> float:
+    """By how much a train leaves later than its stand and its doors have it, that has its way set at once."""
+    stays, found = late_day(setup).stays, list[float]()
+    for index, legs in enumerate(problem.legs):
+        train = problem.instance.trains[index]
+        for (before, leg), operation in zip(pairwise(legs), problem.departs[index][1:], strict=True):
+            if leg.start is None or not follows_on(before, leg) or not train[operation + 1].start_lb:
+                continue  # its way is claimed as it leaves
+            drawn = stays.get(
+                (leg.number, setup.line.sections[leg.start.section_id].station_id or ""), DrawnStay()
+            )
+            least_s = stand_of(leg.start, setup.unit.dwell_min_s).least_s + drawn.people_s + drawn.doors_s
+            stands_s, claims_s = (train[at].min_duration for at in (operation - 1, operation))
+            assert stands_s + claims_s >= least_s
+            found.append(stands_s + claims_s - least_s)
+    return max(found)
+
+
+def test_a_way_that_is_waited_for_is_set_in_the_time_that_that_takes(
+    setup: Setup, late: DispatchedDay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two telegrams before the terminus, which has no points, not the 45 s by which units ask; and within the stand."""
+    _, claim, _ = turn_at_the_terminus(late)
+    assert 0 < claim.min_duration <= 4
+    assert longest_beyond_its_stand_s(setup, late) <= 2.0  # both are rounded up
+    monkeypatch.setattr(day, "SET_IN_A_STAND", False)
+    assert longest_beyond_its_stand_s(setup, day_of(setup)) > 40.0
 
 
 def test_a_solution_names_each_move_of_the_manager_once(setup: Setup, late: DispatchedDay) -> None:

@@ -343,6 +343,12 @@ def test_what_is_no_instance_is_told_by_its_place(tmp_path: Path, text: str, key
     assert (error.value.file, error.value.key) == (str(file), key)
 
 
+def test_numbers_that_no_solver_can_add_up_are_no_lack_of_an_order() -> None:
+    row = (TrainOperation(10**18, (1,)), TrainOperation(10**18, ()))
+    with pytest.raises(InputError, match="below"):
+        solve(Instance((row,), (OperationDelay("op_delay", 0, 1, coeff=10**12),)), 0.1)
+
+
 # published instances ----------------------------------------------------------------------------------------------
 
 PROVEN = {

@@ -34,6 +34,7 @@ from tests.nightly import others_nightly
 from tests.plain import run_on_plain
 
 WEEKDAY = "karasuyama_weekday"
+WORK = 8.0
 
 
 def setup_of(name: str) -> Setup:
@@ -197,7 +198,7 @@ def test_trains_need_not_be_evenly_spaced_to_be_as_many_as_a_track_takes() -> No
         for occupation in leg.occupations
         if occupation.section_id == "HSK.1"
     )
-    found = most_trains(setup, 7200)
+    found = most_trains(setup, 7200, WORK)
     assert (found.trains, found.at_most) == (3, 3)
     assert found.section_id == "HSK.1"
     assert found.held_s == pytest.approx(pairs_s, abs=2.0)
@@ -210,20 +211,31 @@ def test_trains_need_not_be_evenly_spaced_to_be_as_many_as_a_track_takes() -> No
     assert feasibility(replace(setup, timetable=day, trains=stock)).good
 
 
-@pytest.mark.parametrize(("impossible", "at_most"), [(True, 2), (False, 3)])
+@pytest.mark.parametrize(
+    ("impossible", "evenly", "most", "found"),
+    [
+        (True, False, 24, (2, 2, ())),
+        (False, False, 24, (2, 3, (3,))),
+        (False, True, 24, (3, 3, ())),
+        (True, False, 2, (2, 3, (3,))),
+    ],
+)
 def test_more_trains_are_excluded_only_where_that_is_proven(
-    impossible: bool, at_most: int, monkeypatch: pytest.MonkeyPatch
+    impossible: bool, evenly: bool, most: int, found: tuple[object, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of three trains each way in two hours no moves are found, be it proven or not; two are had."""
+    """Of three trains each way in two hours no moves are found, be it proven or not, or they are not looked for; two
+    are had, and three if every 40 minutes one is.
+    """
 
-    def waits(pattern: RepeatedPaths, *_: object) -> LeastWaits:
-        if pattern.trains_each_way == 3:
-            return LeastWaits((), math.nan, proven=False, impossible=impossible)
-        return LeastWaits(((0.0,),), 0.0, proven=True, impossible=False)
+    def waits(pattern: RepeatedPaths, _bounds: object, period: int, *_: object) -> LeastWaits:
+        if pattern.trains_each_way == 3 or (period == 2400 and not evenly):
+            return LeastWaits((), math.nan, proven=False, impossible=impossible, work=0.1)
+        return LeastWaits(((0.0,),), 0.0, proven=True, impossible=False, work=0.1)
 
     monkeypatch.setattr("plan.most_trains.least_waits", waits)
-    found = most_trains(setup_of(WEEKDAY), 7200)
-    assert (found.trains, found.at_most) == (2, at_most)
+    monkeypatch.setattr("plan.most_trains.TRAINS_MAX", most)
+    trains = most_trains(setup_of(WEEKDAY), 7200, WORK)
+    assert (trains.trains, trains.at_most, trains.undecided) == found
 
 
 def test_all_shipped_lines_with_trains_each_way_are_shown() -> None:

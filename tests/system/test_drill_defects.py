@@ -380,9 +380,13 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "92b_ends_early_lost": (orders_nothing, "the order is given, and not heard"),
         "92c_ends_early_doubled": (orders_nothing, "T1 ends at A"),
         "92d_ends_early_report_lost": (orders_nothing, "T1 ends at A"),
+        "93_left_out": (orders_nothing, "T1 and T2 are ordered to be left out"),
+        "93b_left_out_lost": (orders_nothing, "the order is given, and not heard"),
+        "93c_left_out_doubled": (orders_nothing, "T1 ends at A"),
         "130_other_track_late": ("obeys_whenever", "nobody is told that it cannot be done, as it is done"),
         "131_ends_early_late": ("obeys_whenever", "T2 is not ended, and nobody is told that it cannot be"),
         "132_route_back_late": ("obeys_whenever", "it answers nothing"),
+        "138_left_out_late": ("obeys_whenever", "T3 is not ended, and nobody is told that it cannot be"),
         "134_terminus_under_authority": (
             "waits_for_units_to_end_trains",
             "T2 is back at A by the pilot's leave, while the block manager is off",

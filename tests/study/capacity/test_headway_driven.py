@@ -5,16 +5,19 @@ greatest of its headways to it is kept, and a second less makes it late.
 """
 
 import math
+import re
 from collections.abc import Collection, Generator, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import permutations
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 import pytest
 
 from host.scratch import scratch
 from onboard.authority.tables import REFUSED_REPEAT_S
+from plan.equipping.options import options_of
 from radio.air import DelayShape
 from scenario.scenario import Scenario, load_scenario
 from simulation.result import RunResult
@@ -26,7 +29,7 @@ from study.capacity.legs import legs_of, places_of
 from study.capacity.occupation import TOUCH_S
 from study.capacity.orders import DayOfLegs
 from study.capacity.rules import MINIMAL
-from study.capacity.standard import StandardPath, added_path, extended_day, standard_paths
+from study.capacity.standard import ORIGIN_S, StandardPath, added_path, extended_day, standard_paths
 from study.capacity.theory import occupations
 from study.capacity.two_trains import two_trains, undisturbed_setup
 from study.evaluate import headways_driven
@@ -71,8 +74,8 @@ class Pair:
         return [t - apart_s for t in times]
 
 
-def pair_of(name: str, path: int) -> Pair:
-    scenario = load_scenario(name)
+def pair_of(name: str, path: int, tables: dict[str, Any] | None = None) -> Pair:
+    scenario = load_scenario(name, tables=tables)
     setup = scenario.setup
     air = setup.air.model_copy(
         update={
@@ -131,6 +134,40 @@ def test_a_least_headway_can_be_driven_and_a_second_less_is_late(path: int) -> N
     found = driven(pair_of("busy_line", path))
     assert found.kept_s <= NEAR_S
     assert found.nearer_s > NEAR_S
+
+
+BY_SECTION: Final = {"operation": {"release": "section"}, "dispatch": {"certificate": True}}
+BLOCKS: Final = {"sections.HSK-OGN.virtual_blocks": 5}
+FOLLOWERS: Final = re.search(
+    r"follower needs ([\d,]+), ([\d,]+) and, with five blocks, ([\d,]+) s, driven",
+    (Path(__file__).resolve().parents[3] / "docs/capacity.md").read_text("utf-8"),
+)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("row", "tables", "blocks"), [(1, {}, {}), (2, BY_SECTION, {}), (3, BY_SECTION, BLOCKS)]
+)
+def test_the_follower_of_the_page_runs_and_a_second_sooner_is_late(
+    row: int, tables: dict[str, Any], blocks: dict[str, Any]
+) -> None:
+    """Down to Ogane with radio from end to end: by whole routes, by section, and in blocks."""
+    assert FOLLOWERS is not None
+    least_s = int(FOLLOWERS[row].replace(",", ""))
+    covered = next(o for o in options_of(load_scenario("karasuyama_weekday").setup) if o.name == "coverage")
+    line = dict(covered.tables["patch"]["line"])
+    patched = {"patch": {"line": line | {"set": line["set"] | blocks}}}
+    pair = pair_of("karasuyama_weekday", 0, patched | tables)
+
+    def comes_s(apart_s: int) -> float:
+        setup = pair.setup(apart_s)
+        until = replace(setup, until_s=ORIGIN_S + apart_s + 2_400.0)
+        result = run_on_plain(replace(pair.scenario, setup=until)).result
+        own = (s.arrival_s for s in result.stops if (s.stock_id, s.station_id) == ("X2", "OGN"))
+        return next(at_s for at_s in own if at_s is not None) - apart_s
+
+    alone_s = comes_s(2 * least_s + 3_600)
+    assert comes_s(least_s) <= alone_s + NEAR_S < comes_s(least_s - 1)
 
 
 def test_without_the_way_in_the_second_train_is_late(monkeypatch: pytest.MonkeyPatch) -> None:
