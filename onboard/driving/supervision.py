@@ -161,7 +161,7 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
     ceiling, service, emergency = allowed_mps(unit, train, behaviour, path, near_m, far_m, gain_mps2)
     unit.ceiling_mps, unit.permitted_mps = ceiling, service
     before = unit.intervention
-    speed = unit.speed_mps * fastest_share(unit)
+    speed = max(unit.speed_mps * fastest_share(unit), unit.slid_mps)
     if before == EMERGENCY_INTERVENTION:
         after = EMERGENCY_INTERVENTION  # kept until the event-driven part releases it at a stand
     elif speed > emergency and speed > 0.0:
