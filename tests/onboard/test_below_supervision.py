@@ -27,7 +27,6 @@ from tests.nightly import A_FIFTH
 from tests.onboard.drive_along import NO_PLAN, START_M, TRACK_M, Course, drive_along
 from vehicle.train_file import load_train, shipped_train
 
-
 PID: Final = "pid"
 
 
