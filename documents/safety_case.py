@@ -251,8 +251,8 @@ NOT_SHOWN: Final = (
     "Metres: that brakes guarantee what they are said to, that tags lie where the file has them, that rear and front"
     " are where lengths say. These are assumptions of every claim above.",
     "That a train can be braked on less adhesion than the design's: supervision knows of it then, and brakes, and it"
-    " runs on. Before the protection sees a slide both axles may be up to 1 m/s slower than the train, in seven steps"
-    " of ten thousand; rails with less than `[driving] least_adhesion`, and axles that lie while they slide, are not"
+    " runs on. Before the protection sees a slide both axles may be up to 1 m/s slower than the train, in three steps"
+    " of a thousand; rails with less than `[driving] least_adhesion`, and axles that lie while they slide, are not"
     " covered.",
     "More than one power cut, and persons' errors together with other troubles, in the exploration; in runs they are"
     " sampled.",

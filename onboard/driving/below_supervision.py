@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from onboard.driving.supervision import (
     allowed_mps,
+    fastest_mps,
     fastest_share,
     furthest_m,
     motors_gain_mps2,
@@ -66,7 +67,7 @@ def below_supervision_mps2(
     as they would with the power asked for (`asked_mps2`), for their dead time and lag, and then fade.
     """
     worth = fastest_share(unit) / unit.odometer_scale
-    fast_mps = max(unit.train_mps * worth, unit.slid_mps)
+    fast_mps = fastest_mps(unit, unit.train_mps * worth)
     fast_mps, run_m = predicted_motion(tasc, design, fast_mps, own_mps2)
     pull_mps2, gain_mps2 = max(unit.acceleration_mps2 + own_mps2, asked_mps2), 0.0
     if asked_mps2 > 0.0 or (pull_mps2 > 0.0 and tasc.built_mps2 < NO_BRAKE_MPS2):

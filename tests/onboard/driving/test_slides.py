@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from onboard.driving.pattern import pattern_of
 from onboard.driving.slides import bound_slid_speed, gains_back_mps2
-from onboard.driving.supervision import supervise
+from onboard.driving.supervision import fastest_mps, supervise
 from onboard.driving.tuning import Learned
 from onboard.driving_settings import Driving
 from onboard.records import EMERGENCY_INTERVENTION, BehaviourRow, UnitRow
@@ -141,7 +141,7 @@ def slide_along(seed: int) -> list[tuple[float, float, float, int]]:
         step_one(row, track, step + 1)
         rear_m = max(int(row.truth.position_m - row.body.length_m), 0)
         limit_mps = float(limits_mps[rear_m : int(row.truth.position_m) + 1].min())
-        fast_mps = max(unit.speed_mps * (unit.odometer_scale + unit.bound_growth), unit.slid_mps)
+        fast_mps = fastest_mps(unit, unit.speed_mps * (unit.odometer_scale + unit.bound_growth))
         seen.append((float(plant.speed_mps), float(fast_mps), limit_mps, int(unit.intervention)))
         if plant.speed_mps == 0.0 and step > 50:
             break
