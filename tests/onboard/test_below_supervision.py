@@ -173,10 +173,10 @@ def test_power_that_would_have_to_be_braked_once_it_acts_is_not_given(
 ) -> None:
     """After a brake `pid` asks for all notches: 0.7 m/s2 or more from 0.5 s on, for a second and more until they fade.
 
-    Limit 20 m/s, kept up to 20.3; wheels that show 15.6 m/s and may be worth a quarter more have 19.5, and then 20.4.
+    Limit 20 m/s, kept up to 20.3; wheels that show 16 m/s and may be worth a quarter more have 20, and then more.
     """
     board = doubts(Doubted(growth, law=PID))
-    unit, own = at_speed(board, 15.6), pid_of(board)
+    unit, own = at_speed(board, 16.0), pid_of(board)
     own.stops, own.error_mps, own.change_mps2 = 0, 0.2, 3.0
     path = track(np.zeros(TRACK_M), 20.0)
     assert brake_below_mps2(board, path, 0.0) == 0.0

@@ -32,7 +32,6 @@ BLIND_MPS = (
 
 def test_an_axle_that_is_let_go_gains_what_the_rail_gives_it(train: TrainRow) -> None:
     """Of EV-E301 8 % turn: 0.02 g / 0.08 = 2.45 m/s2, less 0.2 that the train loses and 0.4 on a descent."""
-    assert gains_back_mps2(train, 0.02) == pytest.approx(0.02 * 9.80665 * (1 / 0.08 - 1) - 0.4)
     assert gains_back_mps2(train, 0.02) == pytest.approx(1.86, abs=0.01)
 
 
@@ -62,13 +61,13 @@ def test_a_slide_begins_with_the_speed_that_wheels_had(slides: Callable[..., flo
 
 
 def test_a_descent_adds_to_it(slides: Callable[..., float]) -> None:
-    """Three steps down a gradient that is worth 0.2 m/s2."""
+    """A step down a gradient that is worth 0.2 m/s2."""
     slides(-1, 19.0, 19.0)
-    assert slides(-1, 15.0, 15.0, 2, -0.2) == pytest.approx(20.0 * 1.02 + 0.04)
+    assert slides(-1, 15.0, 15.0, 1, -0.2) == pytest.approx(20.0 * 1.02 + 0.02)
 
 
 def test_the_axle_that_was_let_go_tells_it_once_it_gains_no_more(slides: Callable[..., float]) -> None:
-    slides(-1, 15.0, 15.0, 3)
+    slides(-1, 15.0, 15.0)
     for mps in (15.3, 15.6, 15.9, 16.2):  # 3 m/s2: it comes back
         assert slides(-1, 14.0, mps) == pytest.approx(20.0 * 1.02)
     assert slides(-1, 14.0, 16.3) == pytest.approx(16.3 * 1.02)
