@@ -97,6 +97,16 @@ HAZARDS: Final = (
                 ("run rtri_test_line",),
                 ("tests/onboard/driving/laws/test_laws.py::test_no_law_passes_the_limit_or_the_target",),
             ),
+            SafetyClaim(
+                "A train whose wheels slide is supervised by no less than its true speed",
+                "the axle that the slide protection lets go tells it, down to a stated least adhesion; until then, and"
+                " without that, the speed before the slide counts",
+                ("drill rtri/27_slippery_rail",),
+                (
+                    "tests/onboard/driving/test_slides.py::test_no_train_runs_faster_than_supervision_takes_it_to_run",
+                    "tests/onboard/driving/test_slides.py::test_where_no_least_adhesion_is_stated_the_speed_before_the_slide_stays",
+                ),
+            ),
         ),
     ),
     SafetyHazard(
@@ -240,6 +250,10 @@ NOT_SHOWN: Final = (
     " trouble at a time.",
     "Metres: that brakes guarantee what they are said to, that tags lie where the file has them, that rear and front"
     " are where lengths say. These are assumptions of every claim above.",
+    "That a train can be braked on less adhesion than the design's: supervision knows of it then, and brakes, and it"
+    " runs on. Before the protection sees a slide both axles may be up to 1 m/s slower than the train, in three steps"
+    " of a thousand; rails with less than `[driving] least_adhesion`, and axles that lie while they slide, are not"
+    " covered.",
     "More than one power cut, and persons' errors together with other troubles, in the exploration; in runs they are"
     " sampled.",
     "Two persons who agree on what is not so of a unit after the block manager's power has failed, as of a train that"

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from network.files.kinds import about
-from network.files.quantities import Deceleration, Gain, Reaction, ShareAbove0, SpeedMarginMps, Wait
+from network.files.quantities import Deceleration, Gain, Reaction, Share, ShareAbove0, SpeedMarginMps, Wait
 from network.files.toml_input import Record
 
 
@@ -36,6 +36,14 @@ class Driving(Record):
             "assumed: a damp rail, and what the guaranteed brakes need at the speeds of the lines here",
         ),
     ] = 0.8
+    least_adhesion: Annotated[
+        Share,
+        about(
+            "no rail is more slippery: by it supervision tells the true speed of a train whose wheels slide; 0: none is"
+            " stated, and the speed before the slide counts until they roll again",
+            "assumed: damp leaves leave as little as 0.015 (rail-traction.com/technical)",
+        ),
+    ] = 0.015
     reaction_reserve_s: Annotated[
         Reaction,
         about("reaction time allowed beyond dead time and lag of the brake", "assumed: ageing valves"),

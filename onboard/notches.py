@@ -21,7 +21,9 @@ from onboard.driving.tasc import DesignRow
 from onboard.records import EMERGENCY_INTERVENTION, MODE_DRIVE, NO_INTERVENTION, BehaviourRow, UnitRow
 from vehicle.brakes import service_notch
 from vehicle.compiled import compiled
+from vehicle.mass import equivalent_mass_kg
 from vehicle.records import TrainRow
+from vehicle.traction import traction_target_n
 
 BRAKE_OVERSPEED_MPS = 0.5  # between stations the brake is left alone below this
 CURVE_BAND_MPS = 0.5  # this near a falling curve the brake follows it
@@ -74,6 +76,14 @@ def is_near_stop(unit: UnitRow, train: TrainRow, design: DesignRow) -> bool:
 
 
 @compiled
+def brake_below_mps2(board: BoardRow, path: NDArray[np.void], asked_mps2: float) -> float:
+    """`below_supervision_mps2` of this train, with that much power asked for."""
+    own_mps2 = board.cue.own_mps2
+    args = (board.unit, board.kind, board.behaviour, path, board.tasc, board.design, own_mps2, asked_mps2)
+    return float(below_supervision_mps2(*args))
+
+
+@compiled
 def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]) -> float:
     """The notch of a train that drives, before supervision; sets `unit.target_mps`."""
     unit, train, behaviour, cue = board.unit, board.kind, board.behaviour, board.cue
@@ -86,7 +96,11 @@ def driven_notch(board: BoardRow, path: NDArray[np.void], plan: NDArray[np.void]
     unit.target_mps = min(cue.limit_mps, cue.ceiling_mps)
     over_mps = overspeed_mps(unit, unit.target_mps, cue.reaction_s)
     demand_mps2 = -curve_demand_mps2(unit, behaviour, path, cue.ceiling_mps, over_mps)
-    below_mps2 = below_supervision_mps2(unit, train, behaviour, path, board.tasc, board.design, cue.own_mps2)
+    below_mps2 = brake_below_mps2(board, path, 0.0)
+    if asked > 0.0 and below_mps2 <= 0.0:  # no power that would have to be braked once it acts
+        asked_n = traction_target_n(train, cue.load_share, asked, unit.speed_mps)
+        if brake_below_mps2(board, path, asked_n / equivalent_mass_kg(train, cue.load_share)) > 0.0:
+            asked = 0.0
     stop_mps2 = stop_command_mps2(unit, board.tasc, board.design, cue.own_mps2)
     if board.laws.stops == 1:
         stop_mps2 = 0.0  # TASC only watches: its model of the brake and its verdict are kept

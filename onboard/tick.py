@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from onboard.board import BoardRow, SensedRow
 from onboard.driving.ahead import own_deceleration_mps2
+from onboard.driving.slides import bound_slid_speed
 from onboard.driving.stopping import ride_over_slide, stop_anew, take_up_command
 from onboard.driving.supervision import supervise
 from onboard.localisation.axles import NO_AXLE_MPS
@@ -55,7 +56,7 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
     path = chart.path
     unit, train, behaviour, tasc = board.unit, board.kind, board.behaviour, board.tasc
     step_s = behaviour.step_s
-    before_mps = unit.speed_mps
+    before_mps, axle_before_mps = unit.speed_mps, unit.last_axle_mps
     run_m = sensed.odometer_m - unit.odometer_m
     unit.wheel_slide = sensed.wheel_slide
     last_mps = sensed.last_axle_mps if sensed.last_axle_taken != 0 else NO_AXLE_MPS
@@ -73,6 +74,9 @@ def tick(board: BoardRow, sensed: SensedRow, chart: Chart, plan: NDArray[np.void
     moves = unit.mode == MODE_DRIVE or speed_mps > 0.0
     own_mps2 = own_deceleration_mps2(unit, train, path, sensed.load_share) if moves else 0.0
     ride_over_slide(unit, train, tasc, own_mps2, run_m, step_s)
+    bound_slid_speed(
+        unit, train, behaviour, before_mps, axle_before_mps, tasc.built_mps2, own_mps2, sensed.load_share
+    )
     events |= supervise(unit, train, behaviour, path)
     cue = board.cue
     cue.now_s, cue.due_s = sensed.now_s, unit.due_s

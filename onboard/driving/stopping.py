@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Protocol
 
+from onboard.driving.slides import LET_GO_S
 from onboard.driving.supervision import RESERVE_M
 from onboard.driving.tasc import (
     POSSIBLE,
@@ -70,9 +71,9 @@ def ride_over_slide(
 ) -> None:
     """Set `unit.train_mps`: the wheel's speed, or what the train may have while its wheels do not roll.
 
-    While they slide it falls as the brake should make it fall, while they slip it holds, each within what the
-    protection allows. Localisation has taken that into its bounds: the estimate moves within them, so the interval
-    of possible positions stays the same.
+    While they slide it falls as the brake should make it fall, but not below the axle that is let go; while they slip
+    it holds, each within what the protection allows. Localisation has taken that into its bounds: the estimate moves
+    within them, so the interval of possible positions stays the same.
     """
     rolled_mps = unit.speed_mps * unit.odometer_scale
     if unit.wheel_slide == 0 or unit.believes_wheels != 0:
@@ -82,6 +83,8 @@ def ride_over_slide(
     before_mps = unit.train_mps
     if unit.wheel_slide < 0:
         falling_mps = before_mps - max(tasc.built_mps2 + own_mps2, 0.0) * step_s
+        if unit.let_go_s >= LET_GO_S:  # that axle rolls, or comes back: the train is no slower
+            falling_mps = max(falling_mps, unit.last_axle_mps * unit.odometer_scale)
         after_mps = min(max(falling_mps, rolled_mps), rolled_mps / (1.0 - share))
     else:
         after_mps = min(max(before_mps, (rolled_mps - SLIP_FLOOR_MPS) / (1.0 + share)), rolled_mps)

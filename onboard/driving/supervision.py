@@ -81,6 +81,12 @@ def fastest_share(unit: UnitRow) -> float:
 
 
 @compiled
+def fastest_mps(unit: UnitRow, rolled_mps: float) -> float:
+    """How fast the train may run at most: by wheels that roll, or what is known of it while they do not."""
+    return float(unit.slid_mps if unit.slid_mps > 0.0 else rolled_mps)
+
+
+@compiled
 def nearest_m(unit: UnitRow, position_m: float) -> float:
     """Where the front is at least when it is believed at a path coordinate, m: from there back the train lies."""
     return float(position_m - unit.bound_behind_m)
@@ -161,7 +167,7 @@ def supervise(unit: UnitRow, train: TrainRow, behaviour: BehaviourRow, path: NDA
     ceiling, service, emergency = allowed_mps(unit, train, behaviour, path, near_m, far_m, gain_mps2)
     unit.ceiling_mps, unit.permitted_mps = ceiling, service
     before = unit.intervention
-    speed = unit.speed_mps * fastest_share(unit)
+    speed = fastest_mps(unit, unit.speed_mps * fastest_share(unit))
     if before == EMERGENCY_INTERVENTION:
         after = EMERGENCY_INTERVENTION  # kept until the event-driven part releases it at a stand
     elif speed > emergency and speed > 0.0:

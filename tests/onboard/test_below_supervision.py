@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import pytest
@@ -12,13 +13,21 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from onboard.board import BoardRow
+from onboard.driving.below_supervision import ROW_M
+from onboard.driving.laws.pid import PidRow
+from onboard.driving.laws.settings import fit_law
 from onboard.driving.pattern import pattern_of
 from onboard.driving.stop_keeper import fill_design
 from onboard.driving.stopping import LIMIT_MARGIN_M
+from onboard.driving.supervision import RESERVE_M
 from onboard.driving.tuning import Learned
+from onboard.notches import brake_below_mps2, driven_notch
+from onboard.records import UnitRow
 from tests.nightly import A_FIFTH
-from tests.onboard.drive_along import START_M, TRACK_M, Course, drive_along
+from tests.onboard.drive_along import NO_PLAN, START_M, TRACK_M, Course, drive_along
 from vehicle.train_file import load_train, shipped_train
+
+PID: Final = "pid"
 
 
 @dataclass(frozen=True)
@@ -32,6 +41,7 @@ class Doubted:
     speed_mps: float = 15.0  # as shown
     bound_m: float = 20.0
     weak: bool = False  # SKR 200 brakes with 0.91 m/s2 after 1.6 s, EV-E301 with 1.0 after 0.9
+    law: str = "hold_speed"
 
     def run(self, board: BoardRow, limits_mps: NDArray[np.float64], steps: int) -> Course:
         elevation_m = np.arange(float(TRACK_M)) * self.permille / 1000.0
@@ -71,6 +81,7 @@ def doubts(boards: Callable[[], BoardRow]) -> Doubts:
             board.behaviour.service_guaranteed_mps2, board.behaviour.service_reaction_s = 0.8 * 0.91, 2.1
             board.behaviour.emergency_guaranteed_mps2, board.behaviour.emergency_reaction_s = 0.8, 2.1
             fill_design(board.design, board.kind, board.behaviour, Learned("K1", 0.8))
+        fit_law(board.laws, own.law)
         board.unit.bound_ahead_m = board.unit.bound_behind_m = own.bound_m
         board.unit.bound_growth = own.growth
         return board
@@ -140,6 +151,47 @@ def test_supervision_has_nothing_to_do_before_a_lower_limit(
 )
 def test_nor_has_it_before_an_end(doubts: Doubts, own: Doubted, before_m: float) -> None:
     stops_below_supervision(doubts(own), own, before_m)
+
+
+def pid_of(board: BoardRow) -> PidRow:
+    """What its `pid` keeps."""
+    own: PidRow = getattr(board.laws, PID)
+    return own
+
+
+def at_speed(board: BoardRow, shown_mps: float) -> UnitRow:
+    """Its unit, at START_M on a free track, coasting at a speed with brakes released."""
+    unit = board.unit
+    unit.position_m, unit.path_rows, unit.notch, unit.notch_held_s = START_M, TRACK_M, 0.0, 10.0
+    unit.speed_mps = unit.train_mps = shown_mps
+    return unit
+
+
+@pytest.mark.parametrize(("growth", "pulls"), [(0.0, True), (0.25, False)])
+def test_power_that_would_have_to_be_braked_once_it_acts_is_not_given(
+    doubts: Doubts, track: Callable[..., NDArray[np.void]], growth: float, pulls: bool
+) -> None:
+    """After a brake `pid` asks for all notches: 0.7 m/s2 or more from 0.5 s on, for a second and more until they fade.
+
+    Limit 20 m/s, kept up to 20.3; wheels that show 16 m/s and may be worth a quarter more have 20, and then more.
+    """
+    board = doubts(Doubted(growth, law=PID))
+    unit, own = at_speed(board, 16.0), pid_of(board)
+    own.stops, own.error_mps, own.change_mps2 = 0, 0.2, 3.0
+    path = track(np.zeros(TRACK_M), 20.0)
+    assert brake_below_mps2(board, path, 0.0) == 0.0
+    unit.permitted_mps = unit.ceiling_mps = 20.0
+    assert bool(driven_notch(board, path, NO_PLAN) > 0.0) is pulls
+
+
+def test_a_train_that_creeps_up_to_its_end_comes_to_rest(
+    doubts: Doubts, track: Callable[..., NDArray[np.void]]
+) -> None:
+    """Its front may be 0.3 m short of where nothing is left to run: no curve falls any more, and it would creep on."""
+    board = doubts(Doubted(0.0, bound_m=20.0))
+    unit = at_speed(board, 0.05)
+    unit.stop_limit_m = START_M + 20.0 + RESERVE_M + ROW_M + 0.3
+    assert brake_below_mps2(board, track(np.zeros(TRACK_M)), 0.0) >= 0.5
 
 
 @A_FIFTH

@@ -23,5 +23,10 @@ def power_notch(train: TrainRow, load_share: float, speed_mps: float, force_n: f
 
 @compiled
 def overspeed_mps(unit: UnitRow, target_mps: float, reaction_s: float) -> float:
-    """How far above the target the train will be when the machinery answers, m/s; negative below."""
+    """How far above the target the train will be when the machinery answers, m/s; negative below.
+
+    Wheels that slide tell neither: then it is the train's own speed, as far as it is known.
+    """
+    if unit.wheel_slide < 0:
+        return float(unit.train_mps / unit.odometer_scale - target_mps)
     return float(max(unit.speed_mps + unit.acceleration_mps2 * reaction_s, 0.0) - target_mps)
