@@ -5,7 +5,8 @@ section, whether it holds it, asks for it, and has its points proven; of the oth
 in it; of the register both standings and the holder; of the terminals whether they lock what is proven. It is made by
 the same functions of the states of the machines that run, whether they ran in a scenario or were explored.
 
-Left out: metres, times, tokens, telegrams on the air, and all other sections and units. A stop within a plan is as one
+Left out: metres, times, tokens, telegrams on the air, and all other sections and units; what a train asks for while it
+moves, since explored trains ask at a stand, and a request changes nothing before it is granted. A stop within a plan is as one
 at its end. What a third unit holds is looked at with that unit.
 """
 
@@ -17,6 +18,7 @@ from typing import Final, NamedTuple
 
 from network.model import SectionKind
 from onboard.authority.records import RequestKind
+from onboard.duty.arrival import left_by
 from onboard.duty.records import DutyPhase, DutyState
 from onboard.plan import DutyPlan, PointsNeeded
 from wayside.point_terminal import PointsState, Terminal
@@ -113,7 +115,7 @@ def own_view(unit: Powered | None, section_id: str) -> OwnView:
     authority, phase = unit.duty.authority, unit.duty.phase
     request = authority.open(RequestKind.ROUTE)
     needed, holds = needed_in(unit, section_id), authority.holds(section_id)
-    asks = request is not None and section_id in (request.section_ids or ())
+    asks = unit.duty.place.stands and request is not None and section_id in (request.section_ids or ())
     phase, believed = _PHASES.get(phase, phase), _believed(unit, section_id, concerns=holds or asks)
     if phase is STANDS_AT_A_STOP and holds and believed is Believed.BEYOND:
         phase = DutyPhase.RUNNING  # at a halt on open line, where nothing is given back
@@ -133,13 +135,13 @@ def _believed(unit: Powered, section_id: str, *, concerns: bool) -> Believed:
     spans = [index for index, span in enumerate(unit.plan.spans) if span.section_id == section_id]
     if not spans:
         return Believed.ELSEWHERE
-    place = duty.place
-    span = next((index for index in spans if place.clear <= index), spans[-1])
-    if place.clear <= span < place.perhaps:
+    place, left = duty.place, left_by(duty)
+    span = next((index for index in spans if left <= index), spans[-1])
+    if left <= span < place.perhaps:
         return Believed.IN if place.sure > span else Believed.PERHAPS_IN
     if not concerns:
         return Believed.ELSEWHERE
-    return Believed.BEYOND if place.clear > span else Believed.BEFORE
+    return Believed.BEYOND if left > span else Believed.BEFORE
 
 
 def others_view(own: OwnView) -> OthersView:
