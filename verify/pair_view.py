@@ -5,9 +5,8 @@ section, whether it holds it, asks for it, and has its points proven; of the oth
 in it; of the register both standings and the holder; of the terminals whether they lock what is proven. It is made by
 the same functions of the states of the machines that run, whether they ran in a scenario or were explored.
 
-Left out: metres, times, tokens, telegrams on the air, and all other sections and units; what a train asks for while it
-moves, since explored trains ask at a stand, and a request changes nothing before it is granted. A stop within a plan is as one
-at its end. What a third unit holds is looked at with that unit.
+Left out: metres, times, tokens, telegrams on the air, and all other sections and units. A stop within a plan is as one at
+its end. What a third unit holds is looked at with that unit.
 """
 
 from __future__ import annotations
@@ -115,7 +114,7 @@ def own_view(unit: Powered | None, section_id: str) -> OwnView:
     authority, phase = unit.duty.authority, unit.duty.phase
     request = authority.open(RequestKind.ROUTE)
     needed, holds = needed_in(unit, section_id), authority.holds(section_id)
-    asks = unit.duty.place.stands and request is not None and section_id in (request.section_ids or ())
+    asks = request is not None and section_id in (request.section_ids or ())
     phase, believed = _PHASES.get(phase, phase), _believed(unit, section_id, concerns=holds or asks)
     if phase is STANDS_AT_A_STOP and holds and believed is Believed.BEYOND:
         phase = DutyPhase.RUNNING  # at a halt on open line, where nothing is given back

@@ -15,7 +15,7 @@ from onboard.authority import records as sym
 from onboard.authority.letters import Letters
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.keys import MAC_BYTES
-from radio.messages import PointsCommand, PointsProof, RefusalReason, SignOff
+from radio.messages import PointsCommand, RefusalReason, SignOff
 from radio.noted import TookEffect
 from simulation import duties, injector, staff
 from simulation.faults.commissioning import ServiceRecord
@@ -23,7 +23,7 @@ from simulation.faults.script import Act
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
 from verify.restored import RESTORED
 from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
-from wayside.actions import Action, Send, Show
+from wayside.actions import Action, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, UnitStanding
 from wayside.said import Freed, PointsDetected

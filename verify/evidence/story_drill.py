@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from itertools import product, takewhile
@@ -39,7 +40,7 @@ from study.runner.run import CarrierKind
 from verify.composition import HEARS, Composition, Following
 from verify.evidence.watched import result_of
 from verify.explore import ExploredSpace
-from verify.explored_line import PORTAL, POINTS_OF, TERMINALS, UNITS, UnwishedFor
+from verify.explored_line import POINTS_OF, PORTAL, TERMINALS, UNITS, UnwishedFor
 from verify.train import PEERS
 from verify.train_events import HOLD_S
 from wayside.config import MANAGER_ID
@@ -62,7 +63,9 @@ NOT_DETECTED, TOO_LONG = "position or lock are detected no more", "a throw takes
 DETECTED, LIE = "position and lock are detected again", "points come to lie and are locked"
 LOST, SETS_BACK, RUNS_ON = "PositionLost", "SetBack", "Looked"
 SENDS_S: Final = 0.2  # about the time at which a telegram is sent
-UNSEEN_S: Final = 60.0  # how long a tachometer shows nothing: a train that stands may move by then, which tells its unit
+UNSEEN_S: Final = (
+    60.0  # how long a tachometer shows nothing: a train that stands may move by then, which tells its unit
+)
 ACCEPTS: Final = "a person accepts the picture"
 OFF: Final = "off the line"
 WORD: Final = re.compile(r"(.+?) (bar|unbar|says? that|takes back what was said of) (u\d)(?: is (.+))?")
@@ -136,7 +139,9 @@ def _told_in(
     first = next((event.who for event in found.told if event.what == "enters"), UNITS[0])
     (folder / TIMES).write_text(_times(first, apart_s), "utf-8")
     scenario = load_scenario(str(folder / DAY))
-    text = replay_of(scenario, _script(found, scenario, late=late, arrives=arrives), "story", "A story of the exploration")
+    text = replay_of(
+        scenario, _script(found, scenario, late=late, arrives=arrives), "story", "A story of the exploration"
+    )
     (folder / DRILL).write_text(text.replace(f'"{scenario.file}"', f'"{DAY}"'), "utf-8")
     broken = broken_by(folder / DRILL)
     if not broken:
@@ -230,7 +235,8 @@ def _so_far(troubles: Sequence[_Trouble]) -> Script:
         lasts_s = trouble.lasts_s if trouble.to_s is None else round(trouble.to_s - from_s, 1)
         if trouble.arrives and trouble.to_s is not None and isinstance(trouble.what, Cut):
             late = Delay(target=trouble.what.target, seconds=lasts_s)
-            faults.append(ScriptedFault(late, trigger, SENDS_S))  # and what is sent after it is not to overtake it
+            faults.append(ScriptedFault(late, trigger, SENDS_S))
+            # What is sent after it is not to overtake it.
             trigger, lasts_s = Trigger(at_s=round(from_s + SENDS_S, 1)), round(lasts_s - SENDS_S, 1)
         if lasts_s > 0.0:
             faults.append(ScriptedFault(trouble.what, trigger, lasts_s))
@@ -257,10 +263,8 @@ class _CourseOfStory:
     def next_after(self, events: int) -> float:
         """When the first came that the story has behind so many, of those that came, s; 0: none did."""
         came = list[float]()
-        try:
+        with suppress(UntoldError):
             came += (at_s for number, _, at_s in self._times(len(self._told)) if number > events)
-        except UntoldError:
-            pass
         return min(came, default=0.0)
 
     def sent(self, events: int, telegram: tuple[str, str, str]) -> float:
