@@ -5,8 +5,8 @@ section, whether it holds it, asks for it, and has its points proven; of the oth
 in it; of the register both standings and the holder; of the terminals whether they lock what is proven. It is made by
 the same functions of the states of the machines that run, whether they ran in a scenario or were explored.
 
-Left out: metres, times, tokens, telegrams on the air, and all other sections and units. A stop within a plan is as one at
-its end. What a third unit holds is looked at with that unit.
+Left out: metres, times, tokens, telegrams on the air, and all other sections and units. A stop within a plan is as one
+at its end. What a third unit holds is looked at with that unit.
 """
 
 from __future__ import annotations
