@@ -407,6 +407,7 @@ HAZARDS: Final = (
             "rtri/58b_portal_unit_power",
             "rtri/58c_hauled_out_of_its_portal",
             "rtri/58d_hauled_away_uncounted",
+            "rtri/58e_hauled_away_and_asked",
             "karasuyama/58_portal_answer_lost",
             "karasuyama/58b_portal_unit_power",
             "karasuyama/58c_hauled_out_of_its_portal",

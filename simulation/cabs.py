@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Final
 
-from onboard.duty.records import Happening, SetBack, Told
+from onboard.duty.records import Happening, OffTheLine, SetBack, Told
 from simulation.agenda import AgendaKind
 from simulation.clock import Clock
 from simulation.events import WORLD, Commissioned, PowerOff, PowerOn, Uncommissioned
@@ -229,8 +229,17 @@ class Cabs:
                     self.tell(slot, step, happened)
             case Pause.KEY:
                 self._crew.give_keys_back(slot, step / STEPS_PER_S)
+            case Pause.GONE:
+                self.tell(slot, step, (OffTheLine(),))
             case _:
-                raise ValueError(f"{pause} is not for the crew of a train that runs")
+                raise ValueError(f"{pause} is not for the crew of a train that runs, or has left")
+
+    def off_the_line(self, slot: int, step: int) -> int:
+        """Its train is beyond the portal, as its driver enters; the first step at which it may come again."""
+        due_step = self.pause(Pause.GONE, slot, step)
+        if due_step == step:
+            self.crew_due(Pause.GONE, slot, step)
+        return due_step + 1
 
     def _wait_at_crossing(self, slot: int, step: int) -> None:
         """A driver whose train waits for a level crossing to close asks for leave to creep over it, or has the word of

@@ -18,7 +18,6 @@ from onboard.duty.records import (
     Leave,
     LeftLine,
     NoSuchWay,
-    OffTheLine,
     Told,
     TrainEndsHere,
     WayOrdered,
@@ -253,13 +252,14 @@ class Duties:
 
     def powered_on(self, slot: int, step: int) -> None:
         """A unit has booted: its crew will enter the train number again, and does nothing else before."""
-        for pause in Pause:
-            self._due.pop((pause, slot), None)
+        self._due = {about: due_step for about, due_step in self._due.items() if about[1] != slot}
         if slot in self._looks_again:
             self._looks_again[slot] = False  # until it is accepted again
         on_line = self._trains.duties[slot] is not None and self._trains.truths[slot].active
         if on_line or self._stage[slot] is StockStage.WAITING:
             self._begins(Pause.BOOT, slot, step)
+        else:
+            self._cabs.off_the_line(slot, step)  # which it did not hear if it had no power then
 
     def _begins(self, pause: Pause, slot: int, step: int) -> None:
         """A crew begins to do something; what it was about to do before, of the same kind, it does not do."""
@@ -269,7 +269,7 @@ class Duties:
 
     def crew_due(self, pause: Pause, slot: int, step: int) -> None:
         """A crew does what it took its time for; nothing where its unit has lost its power meanwhile."""
-        if pause in (Pause.STAND, Pause.KEY, Pause.CROSSING, Pause.FLAG):
+        if pause in (Pause.STAND, Pause.KEY, Pause.CROSSING, Pause.FLAG, Pause.GONE):
             self._cabs.crew_due(pause, slot, step)
             return
         if self._due.get((pause, slot)) != step:
@@ -493,8 +493,8 @@ class Duties:
         self._journal.write(step / STEPS_PER_S, WORLD, Left(unit_id=stock_id))
         for portal in portals:
             self._wayside.input(step, MANAGER_ID, BoundaryPassed(portal))
-        self._cabs.tell(slot, step, (OffTheLine(),))
+        free_step = self._cabs.off_the_line(slot, step)
         following = self._duties[stock_id][self._next[stock_id] :]
         self._stage[slot] = StockStage.OUTSIDE if following else StockStage.DONE
         for duty in following[:1]:
-            self._agenda.put(max(round(duty.comes_s / STEP_S), step + 1), AgendaKind.DUTY, stock_id)
+            self._agenda.put(max(round(duty.comes_s / STEP_S), free_step), AgendaKind.DUTY, stock_id)

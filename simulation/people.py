@@ -1,8 +1,9 @@
 """`[people]`: how long people take between what they see or hear and what they do about it (人の時間).
 
-One mean for each act that the model has and no plan gives a time to; none is zero unless a scenario says so. Times are
-lognormal: most people take about the same, a few much longer. What a plan or a script gives a time to
-(`operation.change_ends_s`, an act's `start`) takes that; stock that stands on the line as the run opens has its number.
+One mean for each act that the model has and no plan gives a time to; none is zero unless a scenario says so, but the
+key that a driver presses as the train leaves. Times are lognormal: most people take about the same, a few much longer.
+What a plan or a script gives a time to (`operation.change_ends_s`, an act's `start`) takes that; stock that stands on
+the line as the run opens has its number.
 """
 
 from __future__ import annotations
@@ -64,6 +65,14 @@ class People(Record):
             "assumed: brakes released, and a length of 40 m at 15 km/h",
         ),
     ] = 12.0
+    gone_s: Annotated[
+        PersonTime,
+        about(
+            "mean time from when a train has gone through the portal, or its unit has booted beyond it, until its"
+            " driver has entered that it is off the line",
+            "assumed: a key pressed as the train passes the boundary",
+        ),
+    ] = 0.0
     stand_s: Annotated[
         PersonTime,
         about(
@@ -202,6 +211,7 @@ class Pause(Enum):
     ENTRY = "entry_s"
     SIGN_OFF = "sign_off_s"
     LEAVE = "leave_s"
+    GONE = "gone_s"
     STAND = "stand_s"
     KEY = "key_s"
     CROSSING = "crossing_s"

@@ -200,7 +200,7 @@ def _people(run: ExploredRun) -> Iterator[_Happening]:
     phase = run.state.phase
     if phase in (DutyPhase.OFF, DutyPhase.GONE):
         yield Begin(PLANS[0], signs_on=True), ExploredRun(run.state)
-    if phase is DutyPhase.LEAVING:
+    if phase in (DutyPhase.OFF, DutyPhase.LEAVING):
         yield OffTheLine(), run
     if phase is DutyPhase.OFF:
         for spot, stands_at in ((0, 0), (3, None)):

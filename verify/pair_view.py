@@ -17,6 +17,7 @@ from typing import Final, NamedTuple
 
 from network.model import SectionKind
 from onboard.authority.records import RequestKind
+from onboard.duty.arrival import left_by
 from onboard.duty.records import DutyPhase, DutyState
 from onboard.plan import DutyPlan, PointsNeeded
 from wayside.point_terminal import PointsState, Terminal
@@ -133,13 +134,13 @@ def _believed(unit: Powered, section_id: str, *, concerns: bool) -> Believed:
     spans = [index for index, span in enumerate(unit.plan.spans) if span.section_id == section_id]
     if not spans:
         return Believed.ELSEWHERE
-    place = duty.place
-    span = next((index for index in spans if place.clear <= index), spans[-1])
-    if place.clear <= span < place.perhaps:
+    place, left = duty.place, left_by(duty)
+    span = next((index for index in spans if left <= index), spans[-1])
+    if left <= span < place.perhaps:
         return Believed.IN if place.sure > span else Believed.PERHAPS_IN
     if not concerns:
         return Believed.ELSEWHERE
-    return Believed.BEYOND if place.clear > span else Believed.BEFORE
+    return Believed.BEYOND if left > span else Believed.BEFORE
 
 
 def others_view(own: OwnView) -> OthersView:

@@ -12,10 +12,12 @@ from onboard.authority import sign_on
 from onboard.authority.records import QueryHeard
 from onboard.authority.tables import SignOnStanding
 from onboard.duty import on_sight
-from radio.messages import SignOff
-from wayside import block_manager, leaving, reentry
-from wayside.actions import Show
+from onboard.duty.duty_step import DutyStep
+from radio.messages import PointsCommand, PointsProof, PointsRefusalReason, SignOff
+from wayside import block_manager, leaving, point_terminal, reentry
+from wayside.actions import Send, Show
 from wayside.heard import Heard
+from wayside.point_terminal import Commanded, Commitment, PointsState, PointsView, Terminal
 from wayside.reentry import Step
 from wayside.register import Register, UnitStanding
 
@@ -70,6 +72,38 @@ def _nothing_behind(_duty: object, _stop: int) -> int:
     return 0
 
 
+def _old_token_obeyed() -> tuple[Change, ...]:
+    """A terminal obeys any authentic capability, whoever has commanded under a newer token since."""
+    real, table = point_terminal.refusal, dict(point_terminal.TABLE)
+
+    def forgetful(terminal: Terminal, unit_id: str, command: PointsCommand) -> PointsRefusalReason | None:
+        reason = real(terminal, unit_id, command)
+        return None if reason is PointsRefusalReason.OLD_TOKEN else reason
+
+    for state in PointsState:
+        table[state, Commanded] = point_terminal._command
+    return (point_terminal, "refusal", forgetful), (point_terminal, "TABLE", MappingProxyType(table))
+
+
+def _proves_undetected() -> tuple[Change, ...]:
+    """A terminal proves points as they are commanded, before they lie so."""
+
+    def proof(view: PointsView, commitment: Commitment) -> Send:
+        said = PointsProof(view.entry.points_id, commitment.position, True, True, commitment.token)
+        return Send(commitment.unit_id, said, view.correlation)
+
+    return (point_terminal, "_shows", _always), (point_terminal, "_proof", proof)
+
+
+def _always(*_what: object) -> bool:
+    return True
+
+
+def _emergency_kept() -> tuple[Change, ...]:
+    """An emergency brake that has stopped a train is never released."""
+    return ((DutyStep, "await_release", lambda duty: duty.set(released=False)),)
+
+
 def _reported(_register: Register, _message: object, held: tuple[str, ...]) -> UnitStanding:
     return UnitStanding.REPORTED if held else UnitStanding.OUTSIDE
 
@@ -81,6 +115,9 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
         "leaver-counts-as-on-the-line": _claims_as_on_the_line,
         "disputed-leaver-stays": _disputed_leaver_stays,
         "booted-at-its-mark-keeps-all": _booted_at_its_mark_keeps_all,
+        "old-token-obeyed": _old_token_obeyed,
+        "proves-undetected": _proves_undetected,
+        "emergency-kept": _emergency_kept,
     }
 )
 

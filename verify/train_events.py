@@ -106,7 +106,7 @@ def _people(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
         case TrainPlace.ON_LINE, DutyPhase.LEAVING if state.may_leave:
             gone = state._replace(place=TrainPlace.GONE, may_leave=False)
             yield TrainEvent("passes the boundary", gone, left=True)
-        case TrainPlace.GONE, DutyPhase.LEAVING:
+        case TrainPlace.GONE, DutyPhase.LEAVING | DutyPhase.OFF:
             yield _took(model, state, OffTheLine())
         case _:
             pass
@@ -200,7 +200,7 @@ def _timers(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
 
 
 def _troubles(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
-    if state.place in (TrainPlace.WAITING, TrainPlace.ON_LINE):
+    if state.place is not TrainPlace.OUTSIDE:
         off = _booted(state)._replace(power=False, epoch=state.epoch)
         yield TrainEvent("power fails", off, trouble=UnwishedFor.POWER)
     if state.place is not TrainPlace.ON_LINE:

@@ -135,10 +135,10 @@ def signed_off(state: Authority, event: SignOffHeard) -> Result:
     return leaving, (*map(StopTimer, timers), Write(notes.SignedOff()))
 
 
-def taken_off(_state: Authority, _event: TakenOff) -> Result:
+def taken_off(state: Authority, _event: TakenOff) -> Result:
     """Holds nothing: the train is off the line."""
     gone = Authority()
-    return gone, (holds(gone),)
+    return gone, () if state == gone else (holds(gone),)
 
 
 def queried(state: Authority, _event: QueryHeard) -> Result:
@@ -177,6 +177,7 @@ TABLE: Final[Table] = MappingProxyType(
         (SignOnStanding.SIGNING_ON, SignOnHeard): signed_on,
         (SignOnStanding.ON_LINE, EndOnLine): end,
         (SignOnStanding.SIGNING_OFF, SignOffHeard): signed_off,
+        (SignOnStanding.OFF_LINE, TakenOff): taken_off,
         (SignOnStanding.LEAVING, TakenOff): taken_off,
         (SignOnStanding.OFF_LINE, QueryHeard): queried_off_line,
         (SignOnStanding.SIGNING_ON, QueryHeard): queried_signing_on,

@@ -12,7 +12,7 @@ from collections.abc import Collection, Sequence
 from onboard.authority.records import GiveBack, RequestKind
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.entering import kept_until_stand
-from onboard.duty.records import AT_A_MARK, AtMark, DutyPhase, TagBelieved
+from onboard.duty.records import AT_A_MARK, AtMark, DutyPhase, DutyState, TagBelieved
 from onboard.duty_parameters import ReleaseRule
 
 
@@ -23,12 +23,16 @@ def clear_behind(duty: DutyStep) -> None:
     opposing trains may not come in at once, arrival points are kept until it stands (`onboard.duty.entering`).
     """
     state = duty.state
-    place, at_mark = state.place, state.phase in AT_A_MARK
     arrived(duty)
-    clear = place.clear_at_mark if at_mark else place.clear
-    duty.give_back_behind(min(clear, duty.state.freed, kept_until_stand(duty.plan, duty.state)))
+    duty.give_back_behind(min(left_by(state), duty.state.freed, kept_until_stand(duty.plan, duty.state)))
     if useless := (*elsewhere(duty), *useless_ahead(duty)):
         duty.authority(GiveBack(useless))
+
+
+def left_by(state: DutyState) -> int:
+    """How many spans of the plan the whole train has surely left, at a mark by what its driver sees there."""
+    at_mark = state.phase in AT_A_MARK or state.phase is DutyPhase.LEAVING
+    return state.place.clear_at_mark if at_mark else state.place.clear
 
 
 def releases_at_each(duty: DutyStep, event: TagBelieved) -> bool:

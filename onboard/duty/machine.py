@@ -441,6 +441,7 @@ TABLE: Final[Mapping[tuple[DutyPhase, type[Event]], Handler]] = MappingProxyType
         (DutyPhase.OFF, SwitchedOn): on_sight.switched_on,
         (DutyPhase.FINISHED, ChangeEnds): change_ends,
         (DutyPhase.FINISHED, Leave): leave,
+        (DutyPhase.OFF, OffTheLine): on_sight.booted_off_the_line,
         (DutyPhase.LEAVING, OffTheLine): off_the_line,
         **dict.fromkeys(((p, SetBack) for p in _MAY_SET_BACK), orders.set_back),
         **dict.fromkeys(

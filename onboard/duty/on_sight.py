@@ -19,6 +19,7 @@ from onboard.authority.records import (
     FoundAt,
     GiveBack,
     RequestKind,
+    TakenOff,
     Throw,
     Withdrawn,
 )
@@ -32,6 +33,7 @@ from onboard.duty.records import (
     EndOfHeld,
     Finished,
     NotAtMark,
+    OffTheLine,
     PointsSeen,
     PointsWrong,
     PositionLost,
@@ -54,6 +56,11 @@ def switched_on(duty: DutyStep, event: SwitchedOn) -> None:
     # That it stands in a portal the crew can see; anywhere else only the manager knows what it holds.
     in_portal = event.stands_at == 0 and duty.plan.enters
     duty.authority(BeginOnLine((duty.plan.spans[0].section_id,) if in_portal else None))
+
+
+def booted_off_the_line(duty: DutyStep, _event: OffTheLine) -> None:
+    """Its power failed before it was told that its train had left: it holds nothing, and says so when it is asked."""
+    duty.authority(TakenOff())
 
 
 def lose(duty: DutyStep, _event: PositionLost) -> None:

@@ -10,7 +10,8 @@ import pytest
 from branchline.cli import whole_command
 from documents.safety_case import HAZARDS
 from study.drilling.drill import shipped_drills
-from verify.evidence.intruders import ATTACKS, THREATS
+from tests.planted.defects import planted
+from verify.evidence.intruders import ATTACKS, THREATS, Threat
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS = [claim for hazard in HAZARDS for claim in hazard.claims]
@@ -57,3 +58,10 @@ def test_every_attack_belongs_to_a_threat_and_every_threat_of_the_standard_has_i
     assert [threat.name for threat in THREATS] == [
         *("repetition", "deletion", "insertion", "re-sequencing", "corruption", "delay", "masquerade")
     ]
+
+
+@pytest.mark.parametrize("threat", THREATS, ids=lambda threat: threat.name)
+def test_without_its_defence_each_test_of_a_threat_fails(threat: Threat) -> None:
+    """`python -m tests.planted` takes the defence away and runs that test alone, which must notice it."""
+    alone = {defect.tests[0] for defect in planted() if len(defect.tests) == 1}
+    assert set(threat.tests) <= alone

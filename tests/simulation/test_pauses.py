@@ -14,6 +14,11 @@ from simulation.people import LID_TIMES, Pause, People
 from simulation.setup import STEPS_PER_S, Setup
 
 ALL = tuple(Pause)
+AT_ONCE = {Pause.GONE}  # as the train passes the boundary
+
+
+def takes_time(setup: Setup) -> Setup:
+    return replace(setup, people=setup.people.model_copy(update={p.value: 10.0 for p in AT_ONCE}))
 
 
 def drawn(setup: Setup, count: int = 5) -> dict[tuple[Pause, str], list[int]]:
@@ -22,16 +27,18 @@ def drawn(setup: Setup, count: int = 5) -> dict[tuple[Pause, str], list[int]]:
     return {(p, who): [pauses.steps(p, who) for _ in range(count)] for p in ALL for who in ("K1", "K2")}
 
 
-def test_every_pause_is_a_key_and_none_is_zero_by_default(rtri_setup: Setup) -> None:
+def test_every_pause_is_a_key_and_none_but_of_who_leaves_is_zero_by_default(rtri_setup: Setup) -> None:
     assert {pause.value for pause in Pause} == set(People.model_fields) - {"times", "sigma", "react"}
-    for (pause, _), steps in drawn(rtri_setup, 400).items():
+    assert {pause for pause in Pause if not rtri_setup.people.mean_s(pause)} == AT_ONCE
+    for (pause, _), steps in drawn(takes_time(rtri_setup), 400).items():
         taken_s = [step / STEPS_PER_S for step in steps]
-        mean_s = rtri_setup.people.mean_s(pause)
+        mean_s = takes_time(rtri_setup).people.mean_s(pause)
         assert sum(taken_s) / len(taken_s) == pytest.approx(mean_s, rel=0.12)
         assert 0.0 < min(taken_s) < 0.6 * mean_s < 1.7 * mean_s < max(taken_s) <= LID_TIMES * mean_s
 
 
 def test_a_draw_follows_from_seed_pause_who_and_how_often(rtri_setup: Setup) -> None:
+    rtri_setup = takes_time(rtri_setup)
     once = drawn(rtri_setup)
     assert once == drawn(rtri_setup)
     assert len({tuple(steps) for steps in once.values()}) == len(once)
@@ -52,7 +59,7 @@ def test_one_figure_moves_no_draw_of_another(rtri_setup: Setup) -> None:
 def test_zero_is_allowed_when_it_is_said(rtri_setup: Setup) -> None:
     at_once = drawn(replace(rtri_setup, people=People(times=0.0)))
     assert {step for steps in at_once.values() for step in steps} == {0}
-    one = drawn(replace(rtri_setup, people=People(leave_s=0.0)))
+    one = drawn(replace(rtri_setup, people=People(leave_s=0.0, gone_s=1.0)))
     assert {pause for (pause, _), steps in one.items() if 0 in steps} == {Pause.LEAVE}
 
 

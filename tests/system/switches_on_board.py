@@ -20,6 +20,8 @@ from onboard.duty import machine as duty_machine
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.records import (
     DrivingCommand,
+    DutyPhase,
+    OffTheLine,
     Person,
     PlaceInJoints,
     PointsSeen,
@@ -131,6 +133,13 @@ def crews_enter_the_next_number_in_any_case(patch: pytest.MonkeyPatch) -> None:
 def asks_no_driver(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(shown, "to_confirm", lambda *_: False)
     patch.setattr(duty_machine, "to_confirm", lambda *_: False)
+
+
+@switch
+def does_not_hear_that_it_has_left(patch: pytest.MonkeyPatch) -> None:
+    """A unit that has booted beyond the boundary goes on not knowing whether it is on the line."""
+    heard = {at: what for at, what in duty_machine.TABLE.items() if at != (DutyPhase.OFF, OffTheLine)}
+    patch.setattr(duty_machine, "TABLE", heard)
 
 
 @switch

@@ -15,23 +15,24 @@ from onboard.authority import records as sym
 from onboard.authority.letters import Letters
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio.keys import MAC_BYTES
-from radio.messages import (
-    PointsCommand,
-    PointsProof,
-    PointsRefusalReason,
-    RefusalReason,
-    SignOff,
-)
+from radio.messages import PointsCommand, RefusalReason, SignOff
 from radio.noted import TookEffect
 from simulation import duties, injector, staff
 from simulation.faults.commissioning import ServiceRecord
 from simulation.faults.script import Act
 from tests.system.switchboard import K1_ON_P7_S, K2_ON_P7_S, switch
+from verify.restored import RESTORED
 from wayside import acts, barring, block_manager, entering, leaving, point_terminal, reentry, register
-from wayside.actions import Action, Send, Show
+from wayside.actions import Action, Show
 from wayside.config import ManagerConfig
 from wayside.register import Register, UnitStanding
 from wayside.said import Freed, PointsDetected
+
+
+def _restore(patch: pytest.MonkeyPatch, name: str) -> None:
+    for where, what, value in RESTORED[name]():
+        patch.setattr(where, what, value)
+
 
 # block manager ----------------------------------------------------------------------------------------------
 
@@ -223,28 +224,12 @@ def repeats_an_old_command(patch: pytest.MonkeyPatch) -> None:
 @switch
 def obeys_an_old_token(patch: pytest.MonkeyPatch) -> None:
     """The capability is authentic; that a newer holder has commanded since is not looked at."""
-    real, tables = point_terminal.refusal, dict(point_terminal.TABLE)
-
-    def forgetful(
-        terminal: point_terminal.Terminal, unit_id: str, command: PointsCommand
-    ) -> PointsRefusalReason | None:
-        reason = real(terminal, unit_id, command)
-        return None if reason is PointsRefusalReason.OLD_TOKEN else reason
-
-    patch.setattr(point_terminal, "refusal", forgetful)
-    for state in point_terminal.PointsState:
-        tables[state, point_terminal.Commanded] = point_terminal._command
-    patch.setattr(point_terminal, "TABLE", tables)
+    _restore(patch, "old-token-obeyed")
 
 
 @switch
 def proves_what_it_has_not_detected(patch: pytest.MonkeyPatch) -> None:
-    def proof(view: point_terminal.PointsView, commitment: point_terminal.Commitment) -> Send:
-        said = PointsProof(view.entry.points_id, commitment.position, True, True, commitment.token)
-        return Send(commitment.unit_id, said, view.correlation)
-
-    patch.setattr(point_terminal, "_shows", lambda *_: True)
-    patch.setattr(point_terminal, "_proof", proof)
+    _restore(patch, "proves-undetected")
 
 
 # durable state ------------------------------------------------------------------------------------------------

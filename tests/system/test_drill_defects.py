@@ -328,6 +328,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "the contact at the boundary frees the portal",
         ),
         "58d_hauled_away_uncounted": ("one_person_suffices", "one person's word frees nothing"),
+        "58e_hauled_away_and_asked": ("does_not_hear_that_it_has_left", "no person has to speak for it"),
         "59_unit_barred": ("frees_what_a_barred_unit_holds", Checker.ONE_TRAIN_A_SECTION),
         "59b_unit_claims_falsely": ("bars_nobody", "the line goes on while it is mad"),
         "70_no_fix_before_the_mark": (

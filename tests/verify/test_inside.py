@@ -25,9 +25,7 @@ from verify.pair_view import Believed, GroundView, OthersView, OwnView, PairView
 from wayside.register import UnitStanding
 
 BEYOND_SHARE_MAX = 0.05  # of the events of a day
-OTHER_SHARE_MAX = (
-    0.006  # of the states of all drills: release by section, persons who are wrong, crossings in the dark
-)
+OTHER_SHARE_MAX = 0.002  # of the states of all drills: release by section, persons who are wrong
 
 
 @pytest.fixture(scope="module")

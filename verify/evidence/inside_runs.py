@@ -33,6 +33,7 @@ LINES: Final = (
     ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.ROUTE),
     ExploredLine(budgets=Budgets(power=1), tag_between=ReleaseRule.SECTION),
     ExploredLine(budgets=Budgets(loss=1), timed=True, tag_between=ReleaseRule.SECTION),
+    ExploredLine(budgets=Budgets(set_back=1), timed=True),
 )
 BEGINS: Final = "a train signs on where it stands (explored trains come in by a portal)"
 PASSES: Final = (

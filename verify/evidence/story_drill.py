@@ -1,8 +1,9 @@
 """A story of the exploration told on a running line: a drill, in which each trouble comes where the story has it.
 
 What the story has of bodies and timers comes of itself on the line; its troubles are made faults and acts: a telegram
-that it loses, or that is heard only after something else has happened, finds its link cut until then; a party without
-power has none until it has it again; persons say what they say. When each begins and ends is found by running the day
+that it loses, or that is heard only after something else has happened, finds its link cut until then, or is late by so
+much; a party without power has none until it has it again; points are not detected, a tachometer shows nothing; crews
+set routes back, and persons say what they say. When each begins and ends is found by running the day
 with those before it, up to where the story has come by then. Whether the line then breaks a rule is for its judge to
 say: where the story is of a former defect, that must be restored while this is called.
 """
@@ -12,22 +13,25 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from itertools import product
+from itertools import product, takewhile
 from pathlib import Path
 from shutil import copytree
 from typing import Final, NamedTuple
 
 from network.clock import clock
-from onboard.notes import MissionBegun
+from onboard.notes import MissionBegun, Moving
 from radio.envelope import ON_THE_AIR_S
 from radio.noted import Sent, TookEffect
 from scenario.scenario import Scenario, load_scenario
 from simulation.events import Entered, JournalEntry, Left
 from simulation.faults.devices import PowerCut
-from simulation.faults.links import Cut, FaultyLink
+from simulation.faults.links import Cut, Delay, FaultyLink
+from simulation.faults.points import NoDetection, Stuck
 from simulation.faults.script import Act, ActKind, Script, ScriptedFault, Trigger
+from simulation.faults.tachometer import NoOutput
 from simulation.setup import STEP_S
 from study.drilling.replay_file import replay_of
 from study.record.directory import replacing_folder
@@ -36,8 +40,9 @@ from study.runner.run import CarrierKind
 from verify.composition import HEARS, Composition, Following
 from verify.evidence.watched import result_of
 from verify.explore import ExploredSpace
-from verify.explored_line import PORTAL, TERMINALS, UNITS, UnwishedFor
+from verify.explored_line import POINTS_OF, PORTAL, TERMINALS, UNITS, UnwishedFor
 from verify.train import PEERS
+from verify.train_events import HOLD_S
 from wayside.config import MANAGER_ID
 
 LINE: Final = files("verify.evidence") / "explored"
@@ -48,11 +53,19 @@ APART_S: Final = (
     60,
     20,
     300,
+    380,
 )  # how long after the first train the second is due; the first that tells the story
 FIRST_S: Final = 36_000
 STAYS_S: Final = 600.0  # how long a cut or a dead party lasts that the story does not end
 AFTER_S: Final = 120  # from a train's arrival until it leaves
 POWER_FAILS, POWER_BACK = "power fails", "power is back"
+NOT_DETECTED, TOO_LONG = "position or lock are detected no more", "a throw takes too long"
+DETECTED, LIE = "position and lock are detected again", "points come to lie and are locked"
+LOST, SETS_BACK, RUNS_ON = "PositionLost", "SetBack", "Looked"
+SENDS_S: Final = 0.2  # about the time at which a telegram is sent
+UNSEEN_S: Final = (
+    60.0  # how long a tachometer shows nothing: a train that stands may move by then, which tells its unit
+)
 ACCEPTS: Final = "a person accepts the picture"
 OFF: Final = "off the line"
 WORD: Final = re.compile(r"(.+?) (bar|unbar|says? that|takes back what was said of) (u\d)(?: is (.+))?")
@@ -60,9 +73,20 @@ BODILY: Final = {
     "enters": Entered,
     "passes the boundary": Left,
 }  # each once a train, whatever its unit hears meanwhile
+NOTED: Final = {
+    **dict.fromkeys(("Begin", "SwitchedOn", "ChangeEnds"), MissionBegun),
+    "WheelsTurning": Moving,
+}
+RUNS_S: Final = 8.0  # about how long a train takes for a third of a section, from a stand
+UNTROUBLED: Final = """
+[[expect]]
+text = "no rule is broken on a day without troubles"
+property = "no_invariant_broken"
+"""
 NOW: Final = Trigger(at_s=0.0)
 LEAST_S: Final = 1.0  # as long as a party is without power at least
-UNUSED: Final = TERMINALS[1]  # the line has one set of points
+UNUSED: Final = TERMINALS[1]  # the line has one set of points, for all routes in the place of both
+POINTS: Final = POINTS_OF[TERMINALS[0]]
 _TRACKS: Final = {"u1": "A", "u2": "B"}
 _DOES: Final = {
     "bar": ActKind.BAR_UNIT,
@@ -88,9 +112,11 @@ class _Trouble:
 
     begins: int
     ends: int | None
-    what: Cut | PowerCut | Act
+    what: Cut | PowerCut | NoDetection | Stuck | NoOutput | Act
     sent: tuple[str, str, str] | None = None  # of a telegram: from whom, to whom, what
     waits_s: float = STEP_S  # from then until it is so
+    lasts_s: float = STAYS_S  # where it has no end
+    arrives: bool = False  # a telegram that is late, and not lost
     from_s: float | None = None
     to_s: float | None = None
 
@@ -100,23 +126,28 @@ def told_on_line(found: ExploredSpace, out: Path) -> ToldOnLine:
     UntoldError.
     """
     reasons: list[str] = []
-    for apart_s, late in product(APART_S, (True, False)):
+    for arrives, apart_s, late in product((False, True), APART_S, (True, False)):
         try:
             with replacing_folder(out, FILES.__contains__, WHAT) as folder:
-                broken = _told_in(folder, found, apart_s, late=late)
+                broken = _told_in(folder, found, apart_s, late=late, arrives=arrives)
             return ToldOnLine(out / DRILL, broken)
         except UntoldError as error:
             reasons.append(str(error))
     raise UntoldError("; ".join(dict.fromkeys(reasons)))
 
 
-def _told_in(folder: Path, found: ExploredSpace, apart_s: int, *, late: bool) -> tuple[str, ...]:
+def _told_in(
+    folder: Path, found: ExploredSpace, apart_s: int, *, late: bool, arrives: bool
+) -> tuple[str, ...]:
     """The files of a drill, and what the line breaks in it. Raises UntoldError where that is nothing."""
     copytree(str(LINE), folder)
     first = next((event.who for event in found.told if event.what == "enters"), UNITS[0])
     (folder / TIMES).write_text(_times(first, apart_s), "utf-8")
     scenario = load_scenario(str(folder / DAY))
-    text = replay_of(scenario, _script(found, scenario, late=late), "story", "A story of the exploration")
+    script = _script(found, scenario, late=late, arrives=arrives)
+    text = replay_of(scenario, script, "story", "A story of the exploration")
+    if not (script.faults or script.acts):
+        text = text.replace("expect = []\n", UNTROUBLED)
     (folder / DRILL).write_text(text.replace(f'"{scenario.file}"', f'"{DAY}"'), "utf-8")
     broken = broken_by(folder / DRILL)
     if not broken:
@@ -165,14 +196,20 @@ trains = ["{number}1", "{number}2"]
 # when each trouble begins and ends -----------------------------------------------------------------------------------
 
 
-def _script(space: ExploredSpace, scenario: Scenario, *, late: bool) -> Script:
-    """Every trouble of the story at its time on this day. Raises UntoldError.
+def _script(space: ExploredSpace, scenario: Scenario, *, late: bool, arrives: bool) -> Script:
+    """Every trouble of the story at its time on this day. Raises UntoldError. `arrives`: what is heard later than it
+    might be is late, where it otherwise is lost and its repetition heard.
 
     What is still on the air at its end stays unheard where a rule is broken then; where the end is a dead state it does
     not help, heard or not.
     """
     composition, told = Composition(space.parties), space.told
-    on_the_air = [t for t in _on_the_air(composition, told) if t.ends is not None or not space.dead]
+    on_the_air = list(_on_the_air(composition, told))
+    for trouble in on_the_air:
+        if trouble.ends is None and space.dead and arrives:
+            trouble.ends, trouble.arrives = len(told), True  # heard once all else has come
+        trouble.arrives = trouble.arrives and arrives
+    on_the_air = [trouble for trouble in on_the_air if trouble.ends is not None or not space.dead]
     troubles = [*_troubles(told, late=late), *on_the_air]
     bounds = [(trouble.begins, False, trouble) for trouble in troubles]
     bounds += [(trouble.ends, True, trouble) for trouble in troubles if trouble.ends is not None]
@@ -185,6 +222,8 @@ def _script(space: ExploredSpace, scenario: Scenario, *, late: bool) -> Script:
             trouble.to_s = max(came.by(events) + STEP_S, trouble.from_s + LEAST_S)
         elif trouble.sent is None:
             trouble.from_s = came.by(events) + trouble.waits_s
+            if arrives and isinstance(trouble.what, Act):
+                trouble.from_s = max(trouble.from_s, came.next_after(events) - LEAST_S)
         else:
             trouble.from_s = came.sent(events, trouble.sent) - STEP_S
     return _so_far(troubles)
@@ -194,11 +233,18 @@ def _so_far(troubles: Sequence[_Trouble]) -> Script:
     faults: list[ScriptedFault] = []
     acts: list[Act] = []
     for trouble in sorted((t for t in troubles if t.from_s is not None), key=lambda t: t.from_s or 0.0):
-        trigger = Trigger(at_s=round(trouble.from_s or 0.0, 1))
+        from_s = round(trouble.from_s or 0.0, 1)
+        trigger = Trigger(at_s=from_s)
         if isinstance(trouble.what, Act):
             acts.append(replace(trouble.what, trigger=trigger))
-        else:
-            lasts_s = STAYS_S if trouble.to_s is None else round(trouble.to_s - (trouble.from_s or 0.0), 1)
+            continue
+        lasts_s = trouble.lasts_s if trouble.to_s is None else round(trouble.to_s - from_s, 1)
+        if trouble.arrives and trouble.to_s is not None and isinstance(trouble.what, Cut):
+            late = Delay(target=trouble.what.target, seconds=lasts_s)
+            faults.append(ScriptedFault(late, trigger, SENDS_S))
+            # What is sent after it is not to overtake it.
+            trigger, lasts_s = Trigger(at_s=round(from_s + SENDS_S, 1)), round(lasts_s - SENDS_S, 1)
+        if lasts_s > 0.0:
             faults.append(ScriptedFault(trouble.what, trigger, lasts_s))
     return Script(tuple(faults), tuple(acts))
 
@@ -218,12 +264,19 @@ class _CourseOfStory:
 
     def by(self, events: int) -> float:
         """When the last of so many events of the story had come, s. Raises UntoldError where one never did."""
-        return max((at_s for _, at_s in self._times(events)), default=0.0)
+        return max((at_s for _, _, at_s in self._times(events)), default=0.0)
+
+    def next_after(self, events: int) -> float:
+        """When the first came that the story has behind so many, of those that came, s; 0: none did."""
+        came = list[float]()
+        with suppress(UntoldError):
+            came += (at_s for number, _, at_s in self._times(len(self._told)) if number > events)
+        return min(came, default=0.0)
 
     def sent(self, events: int, telegram: tuple[str, str, str]) -> float:
         """When the last of these events had its party send a telegram, s. Raises UntoldError."""
         source, receiver, kind = telegram
-        from_s = max((at_s for who, at_s in self._times(events) if who == source), default=0.0)
+        from_s = max((at_s for _, who, at_s in self._times(events) if who == source), default=0.0)
         for entry in self._entries:
             event = entry.event
             if (
@@ -234,7 +287,7 @@ class _CourseOfStory:
                 return entry.t_s
         raise UntoldError(f"{source} sends no {kind} to {receiver} after {events} events")
 
-    def _times(self, events: int) -> Iterator[tuple[str, float]]:
+    def _times(self, events: int) -> Iterator[tuple[int, str, float]]:
         at: dict[str, int] = {}
         for number, found in enumerate(self._told[:events]):
             who = _party(found.who)
@@ -248,7 +301,7 @@ class _CourseOfStory:
                 raise UntoldError(f"event {number + 1} never comes: {found.who} {found.what}")
             if not bodily:
                 at[who] = k + 1
-            yield who, self._entries[k].t_s
+            yield number, who, self._entries[k].t_s
 
     def _seen(self, number: int, found: Following) -> Callable[[JournalEntry], bool] | None:
         """Whether an entry of the journal is this event; None: it has nothing of it, or not of this party."""
@@ -264,8 +317,8 @@ class _CourseOfStory:
         if (made := self._made.get(number)) is not None and made.from_s is not None:
             from_s = made.from_s
             return lambda entry: entry.t_s >= from_s
-        if found.what in ("Begin", "SwitchedOn", "ChangeEnds"):
-            return lambda entry: entry.who == who and isinstance(entry.event, MissionBegun)
+        if (note := NOTED.get(found.what)) is not None:
+            return lambda entry: entry.who == who and isinstance(entry.event, note)
         if (kinds := BODILY.get(found.what)) is not None:
             return lambda entry: isinstance(entry.event, kinds) and entry.event.unit_id == who
         return None
@@ -292,19 +345,25 @@ def _troubles(told: Sequence[Following], *, late: bool) -> Iterator[_Trouble]:
     restarted = False
     for number, found in enumerate(told):
         who = _party(found.who)
-        if who == UNUSED or found.telegram >= 0:
+        if found.telegram >= 0 or (who == UNUSED and found.trouble is not UnwishedFor.POINTS):
             continue
-        if found.trouble in (UnwishedFor.POINTS, UnwishedFor.SENSOR, UnwishedFor.SET_BACK):
-            raise UntoldError(
-                f"event {number + 1} is nothing that a drill can time: {found.who} {found.what}"
-            )
+        own = [k for k in range(number + 1, len(told)) if _party(told[k].who) == who]
         if found.what == POWER_FAILS:
-            own = [k for k in range(number, len(told)) if _party(told[k].who) == who]
             back = next((k for k in own if told[k].what == POWER_BACK), None)
             if late and back is not None:
                 back = next((k for k in own if k > back), None)
             yield _Trouble(number, back, PowerCut(target=who))
             restarted |= who == MANAGER_ID
+        elif found.what == NOT_DETECTED:
+            seen = next((k for k in own if told[k].what == DETECTED), None)
+            ran = sum(1 for _ in takewhile(lambda event: event.what == RUNS_ON, reversed(told[:number])))
+            yield _Trouble(number, seen, NoDetection(target=POINTS), waits_s=STEP_S + ran * RUNS_S)
+        elif found.what == TOO_LONG:
+            yield _Trouble(number, next((k for k in own if told[k].what == LIE), None), Stuck(target=POINTS))
+        elif found.what == LOST:
+            yield _Trouble(number, None, NoOutput(target=who), lasts_s=UNSEEN_S)
+        elif found.what == SETS_BACK:
+            yield _Trouble(number, None, Act(ActKind.GIVE_BACK, who, NOW, hold_s=HOLD_S))
         elif who == MANAGER_ID:
             acts = _acts(found.what)
             restarted |= any(act.kind is ActKind.BAR_UNIT for act in acts)
@@ -315,7 +374,7 @@ def _troubles(told: Sequence[Following], *, late: bool) -> Iterator[_Trouble]:
 
 def _is_made(found: Following) -> bool:
     """Whether it comes when it is made to, and takes no time then."""
-    return found.what in (POWER_FAILS, POWER_BACK) or bool(_acts(found.what))
+    return found.what in (POWER_FAILS, POWER_BACK, NOT_DETECTED, SETS_BACK) or bool(_acts(found.what))
 
 
 def _acts(what: str) -> tuple[Act, ...]:
@@ -377,7 +436,9 @@ def _held_up(
         if not between:
             return None
         until = between[-1] + 1
-    return _Trouble(sent + 1, until, Cut(target=FaultyLink(source, receiver)), sent=(source, receiver, kind))
+    arrives = ended is not None and told[ended].what == HEARS
+    cut = Cut(target=FaultyLink(source, receiver))
+    return _Trouble(sent + 1, until, cut, sent=(source, receiver, kind), arrives=arrives)
 
 
 def _way(found: Following) -> tuple[int, int]:

@@ -272,6 +272,8 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         (SendClaim(("PE",), leaving=True), claimed("PE")),
     ),
     "off the line it holds nothing": (SIGNED_OFF, TakenOff(), OFF, (holds(),)),
+    "booted off the line, it is told so": (replace(OFF, unsure=True), TakenOff(), OFF, (holds(),)),
+    "which says nothing new to one that was never on it": (OFF, TakenOff(), OFF, ()),
     "signed off it asks for nothing any more": (
         replace(SIGNING_OFF, requests=(ASKED, LEAVING), commands=(OpenCommand(P5, sent=True),), proven=(P5,)),
         SignOffHeard(answers=True),

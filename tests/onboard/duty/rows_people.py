@@ -339,6 +339,13 @@ PEOPLE: Final[dict[str, Case]] = {
             *sent(SIGN_OFF_OPEN),
         ),
     ),
+    "off the line, told after its boot, it holds nothing": (
+        DutyState(authority=Authority(unsure=True)),
+        OffTheLine(),
+        AT_B,
+        DutyState(place=AT_B),
+        (holds(),),
+    ),
     "off the line, it holds its portal no more": (LEAVING, OffTheLine(), AT_B, GONE, (holds(),)),
     "a train that leaves and holds more does not sign off yet": (
         replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
