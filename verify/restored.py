@@ -101,7 +101,11 @@ def _always(*_what: object) -> bool:
 
 def _emergency_kept() -> tuple[Change, ...]:
     """An emergency brake that has stopped a train is never released."""
-    return ((DutyStep, "await_release", lambda duty: duty.set(released=False)),)
+    return ((DutyStep, "await_release", _not_released),)
+
+
+def _not_released(duty: DutyStep) -> None:
+    duty.set(released=False)
 
 
 def _reported(_register: Register, _message: object, held: tuple[str, ...]) -> UnitStanding:

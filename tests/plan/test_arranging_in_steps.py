@@ -200,7 +200,9 @@ def test_of_many_trains_no_plan_is_looked_for_that_moves_times_far_where_a_track
     """570 s are the least, as above: not looked for beyond 300, but where 500 are allowed."""
     monkeypatch.setattr(nearest, "WIDE_TRAINS_MAX", 1)
     monkeypatch.setattr(nearest, "FAR_S", 300)
-    with pytest.raises(NothingFoundError, match=r"^proven: no plan moves every time by 300 s or less$") as why:
+    with pytest.raises(
+        NothingFoundError, match=r"^proven: no plan moves every time by 300 s or less$"
+    ) as why:
         nearest_plan([_by_a_halt()], 60, _room([_meet()]))
     assert why.value.lacking == MoreTracks({"L": 1}, 30, {"L": ("1", "2")})
     plan = nearest_plan([_by_a_halt()], 500, _room([_meet()]))
