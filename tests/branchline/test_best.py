@@ -153,7 +153,7 @@ def test_sets_turn_on_two_tracks_by_turns_where_that_is_quicker(
         assert main("check", "least.toml").code == 0
         every = ("best", "trains", "day.toml", "--every", "60", "--json")
         most = main(*every).figures()
-        assert most["trains"] <= most["at_most"] == 3600 // most["held_s"]
+        assert most["trains"] <= most["at_most"] <= 3600 // most["held_s"]
         assert interval_s[tracks] * most["trains"] <= 3600 < interval_s[tracks] * (most["trains"] + 2)
         for path in tmp_path.iterdir():
             path.unlink()

@@ -10,6 +10,7 @@ from simulation.events import CrossingEntered, RoadGuarded
 from simulation.faults.script import Act, ActKind
 from simulation.people import People
 from simulation.staff import Staff
+from simulation.world.crossings import CrossingsOnTrack
 from study.drilling.drill import find_drill
 from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
@@ -329,8 +330,13 @@ def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("frozen", [True, False])
-def test_a_driver_who_comes_onto_an_open_road_reports_it(tmp_path: Path, frozen: bool) -> None:
-    """Contacts tell no train anything: that their device does nothing, who drives over the road is the first to see."""
+def test_a_driver_who_comes_onto_an_open_road_reports_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, frozen: bool
+) -> None:
+    """Contacts tell no train anything: that their device does nothing, and has no watchdog that drops its relays, who
+    drives over the road is the first to see.
+    """
+    monkeypatch.setattr(CrossingsOnTrack, "relays_fall", lambda *_: None)
     crossing = '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.85\ncontrol = "contacts"\n'
     fault = f'[[fault]]\nkind = "frozen"\ntarget = "C1"\nstart = "{"09" if frozen else "10"}:59:00"\n'
     people = "people = { react = true, guard_s = 5.0, sigma = 0.0 }\n"
