@@ -101,6 +101,9 @@ MARK_AT = """
 }
 """
 
+# What is laid out then answers to clicks.
+DRAWN = "() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))"
+
 
 @contextmanager
 def opened(
@@ -134,6 +137,7 @@ def opened(
     page.goto(report.as_uri())
     if scripts:
         page.wait_for_function("globalThis.branchline !== undefined")
+        page.evaluate(DRAWN)
     yield page
     assert asked == []
     assert wrong == []
