@@ -82,8 +82,8 @@ def fastest_share(unit: UnitRow) -> float:
 
 @compiled
 def fastest_mps(unit: UnitRow, rolled_mps: float) -> float:
-    """How fast the train may run at most: by wheels that roll, or what is known of it while they do not."""
-    return float(unit.slid_mps if unit.slid_mps > 0.0 else rolled_mps)
+    """How fast the train may run at most: by its wheels, and by what is known of it while they do not roll."""
+    return float(max(unit.slid_mps, rolled_mps))
 
 
 @compiled
