@@ -38,7 +38,7 @@ from simulation.world.crossings import CrossingsOnTrack
 from simulation.world.point_machine import KeyBack, LockedByHand, PointMachine, Repaired
 from simulation.world.radio import Radio
 from wayside.config import MANAGER_ID
-from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
+from wayside.crossing_said import CloseCrossing, OpenCrossing
 from wayside.said import Input, Output, StartThrow
 
 
@@ -310,8 +310,6 @@ class WaysideWorld:
             self._frozen.setdefault(device_id, [])
             self.crossings.relays_fall(step, device_id)
             return
-        piled_up = self._inputs[device_id]
-        self._inputs[device_id] = [one for one in piled_up if not isinstance(one, CrossingDetected)]
         self.crossings.show(step, device_id)
         for data in self._frozen.pop(device_id, []):
             self._agenda.put(step, AgendaKind.TO_DEVICE, device_id, data)
