@@ -196,8 +196,8 @@ class Staff:
             return
         self._next_look = step + LOOKS_EVERY_STEPS
         self._see_to_power(t_s)
-        for points_id, machine in self._wayside.machines.items():
-            self._see_to_points(t_s, points_id, machine)
+        for points_id in self._wayside.machines:
+            self._see_to_points(t_s, points_id)
         self._see_to_bars(t_s)
         self._see_to_roads(t_s)
         self._see_to_guards(t_s)
@@ -306,14 +306,21 @@ class Staff:
             elif crossing_id not in crossings.guarded and self._ripe(Pause.GUARD, crossing_id, t_s):
                 self._act(t_s, ActKind.GUARD_ROAD, crossing_id, STAFF)
 
-    def _see_to_points(self, t_s: float, points_id: str, machine: PointMachine) -> None:
-        asked = self._asked_for(points_id, machine)
-        if not (asked or machine.stuck or machine.state is MachineState.BETWEEN):
+    def _see_to_points(self, t_s: float, points_id: str) -> None:
+        if not self._need_staff(points_id):
             self._from_s.pop((Pause.POINTS, points_id), None)
         elif self._ripe(Pause.POINTS, points_id, t_s):
-            self._act_as_seen(t_s, partial(self._wind, points_id, machine))
+            self._act_as_seen(t_s, partial(self._wind, points_id))
 
-    def _wind(self, points_id: str, machine: PointMachine) -> Act | None:
+    def _need_staff(self, points_id: str) -> bool:
+        machine = self._wayside.machines[points_id]
+        between = machine.state is MachineState.BETWEEN
+        return bool(self._asked_for(points_id, machine) or machine.stuck or between)
+
+    def _wind(self, points_id: str) -> Act | None:
+        if not self._need_staff(points_id):
+            return None
+        machine = self._wayside.machines[points_id]
         position = self._asked_for(points_id, machine) or self._safe(points_id, machine)
         return Act(ActKind.REPAIR_POINTS, points_id, _NOW, STAFF, position=position) if position else None
 

@@ -308,6 +308,15 @@ def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_a
     assert not run.result.unfinished
 
 
+def test_points_that_work_again_are_left_alone(tmp_path: Path) -> None:
+    """Who comes to wind them looks again: by then a train may be on them."""
+    file = tmp_path / "staff.toml"
+    people = "people = { react = true, points_s = 10.0, word_s = 50.0, sigma = 0.0 }\n"
+    stuck = '[[fault]]\nkind = "stuck"\ntarget = "P5"\nstart = "10:00:00"\nduration_s = 20.0\n'
+    file.write_text(HEAD + people + stuck, "utf-8")
+    assert not _acts(drill_on_plain(str(file)).run)
+
+
 def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
     """The manager is off for hours, and K1's unit is cut out before the crossing has heard that it is over it."""
     file = tmp_path / "road.toml"
