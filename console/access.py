@@ -20,6 +20,7 @@ from console.seats import Seat
 from network.errors import InputError
 
 LOOPBACK: Final = "127.0.0.1"
+HTTP_PORT: Final = 80
 LOOPBACK_NAMES: Final = (LOOPBACK, "localhost")
 SOCKETS_MAX: Final = 64
 MESSAGES_A_S: Final = 20.0
@@ -65,8 +66,9 @@ class AccessRules:
 
 
 def on_loopback(port: int) -> AccessRules:
-    """For this machine alone, without tokens."""
-    return AccessRules(frozenset(f"{name}:{port}" for name in LOOPBACK_NAMES))
+    """For this machine alone, without tokens. Browsers leave the port of HTTP out."""
+    names = {f"{name}:{port}" for name in LOOPBACK_NAMES}
+    return AccessRules(frozenset(names.union(LOOPBACK_NAMES) if port == HTTP_PORT else names))
 
 
 def with_tokens() -> AccessRules:

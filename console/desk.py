@@ -107,6 +107,9 @@ class Desk:
         match request:
             case DoAct(act=table):
                 deed = self._session.act(_act_of(seat, table, unit))
+            # Both tell what has failed, which a seat may not know while it works.
+            case SaveDrill() | AskProtocol() if not RIGHTS[seat].leads and self._session.ended is None:
+                raise InputError(AT_DESK, "seat", seat.value, f"{Seat.INSTRUCTOR.value}, or the run's end")
             case SaveDrill(id=own_id, title=title):
                 if not is_identifier(own_id):
                     raise InputError(AT_DESK, "id", own_id, IDENTIFIER_HELP)

@@ -24,6 +24,7 @@ from network.model import Line, SectionKind
 from onboard.authority.tables import REFUSED_REPEAT_S
 from onboard.duty.timekeeping import CRUISE_MIN_KMH
 from onboard.duty_parameters import ReleaseRule
+from onboard.mission import Target
 from simulation.setup import Setup
 from simulation.world.roster import OPENING_S
 from study.feasibility.entries import Entries
@@ -220,18 +221,17 @@ class Rehearsal:
         if here.target is not None:
             thrown_s = throws_s(self._day.line, train.duty.mission) if one.node == 0 else 0.0
             leaves_s = max(leaves_s, granted_s + SIGNS_S / 2.0 + thrown_s)
-            self._note(one, here.departs_s, leaves_s, leaves=True)
+            self._note(one, here.target, here.departs_s, leaves_s, leaves=True)
         elif granted_s > one.ready_s:  # it had to stop where it was to run through
             leaves_s += RESTARTS_S
-        runs_s, not_before_s = self._run(train, one.node)
-        runs_s += (
-            SLOWED_S
-            if (train.number, self._day.line.sections[there.section_id].station_id) in self._slowed
-            else 0.0
-        )
+        comes_s = self._driven_s(one, here, there, leaves_s)
+        if (train.number, self._day.line.sections[there.section_id].station_id) in self._slowed:
+            comes_s += SLOWED_S
         # As late as the plan says, but no train goes slower than its unit lets it.
+        given = there.target is None or there.target.arrival_s is not None
+        not_before_s = there.arrives_s - self._setup.unit.time_margin_s if given else -math.inf
         slowest_s = (there.position_m - here.position_m) / SLOWEST_MPS + RESTARTS_S
-        arrives_s = max(leaves_s + runs_s, min(not_before_s, leaves_s + slowest_s))
+        arrives_s = max(comes_s, min(not_before_s, leaves_s + slowest_s))
         one.moving = True
         if there.target is None:
             one.asks = one.node + 1
@@ -272,12 +272,24 @@ class Rehearsal:
     def _clear(self, one: _RehearsedSet, behind: set[str], now_s: float) -> None:
         self._give_back(one, one.holds - behind, now_s)
 
-    def _run(self, train: PlannedTrain, node: int) -> tuple[float, float]:
-        """Running time to the next node, and the time before which the train does not come there, s."""
-        here, there = train.nodes[node], train.nodes[node + 1]
-        runs_s = _driven_s(train, here, there, self._setup.unit.dwell_min_s)
-        given = there.target is None or there.target.arrival_s is not None
-        return runs_s, there.arrives_s - self._setup.unit.time_margin_s if given else -math.inf
+    def _driven_s(self, one: _RehearsedSet, here: PlannedNode, there: PlannedNode, leaves_s: float) -> float:
+        """When a train is at a node as it is driven from another, s after midnight, with its stops at halts between."""
+        now_s = leaves_s
+        for before, stand in pairwise(one.train.stands):
+            at_m = (before.target.mark_m, *(p.position_m for p in stand.target.passings), stand.target.mark_m)
+            low_m, high_m = max(here.position_m, at_m[0]), min(there.position_m, at_m[-1])
+            if low_m >= high_m or stand.target.section_id == here.section_id:
+                continue
+            if math.isinf(stand.run_s):
+                return math.inf
+            begin_s, end_s = np.interp((low_m, high_m), at_m, (0.0, *stand.passes_s, stand.run_s)).tolist()
+            now_s += end_s - begin_s
+            if high_m < there.position_m:
+                self._note(one, stand.target, stand.arrives_s, now_s, leaves=False)
+                dwell_s = self._setup.unit.dwell_min_s if stand.target.passengers else 0.0
+                now_s = max(now_s + dwell_s, stand.departs_s)
+                self._note(one, stand.target, stand.departs_s, now_s, leaves=True)
+        return now_s
 
     def _arrive(self, one: _RehearsedSet, now_s: float) -> None:
         """At the next track: what lies behind is given back, the next route asked for."""
@@ -286,7 +298,8 @@ class Rehearsal:
         one.moving = False
         node = train.nodes[one.node]
         ahead = one.needs(one.node) if one.granted >= one.node else ()
-        self._note(one, node.arrives_s, now_s, leaves=False)
+        if node.target is not None:
+            self._note(one, node.target, node.arrives_s, now_s, leaves=False)
         self._give_back(one, {node.section_id, *ahead}, now_s)
         if one.node == len(train.nodes) - 1:
             self._end(one, now_s)
@@ -301,9 +314,8 @@ class Rehearsal:
             one.asks = one.node
             self._at(max(now_s, one.ready_s - self._setup.unit.request_lead_s), partial(self._wait, one))
 
-    def _note(self, one: _RehearsedSet, due_s: float, real_s: float, *, leaves: bool) -> None:
-        target = one.train.nodes[one.node].target
-        if target is not None and target.station_id is not None:
+    def _note(self, one: _RehearsedSet, target: Target, due_s: float, real_s: float, *, leaves: bool) -> None:
+        if target.station_id is not None:
             late = RehearsedLateness(
                 one.train, target.station_id, due_s, real_s - due_s, tuple(one.behind), leaves
             )
@@ -328,19 +340,3 @@ class Rehearsal:
             one.at += 1
             one.node = one.asks = 0
             self._at(max(one.train.duty.enter_s, now_s), partial(self._wait, one))
-
-
-def _driven_s(train: PlannedTrain, here: PlannedNode, there: PlannedNode, dwell_min_s: float) -> float:
-    """From one node to another as the train is driven, s, with its stops at halts between them."""
-    driven_s = 0.0
-    for before, stand in pairwise(train.stands):
-        at_m = (before.target.mark_m, *(p.position_m for p in stand.target.passings), stand.target.mark_m)
-        low_m, high_m = max(here.position_m, at_m[0]), min(there.position_m, at_m[-1])
-        if low_m >= high_m:
-            continue
-        if math.isinf(stand.run_s):
-            return math.inf
-        begin_s, end_s = np.interp((low_m, high_m), at_m, (0.0, *stand.passes_s, stand.run_s)).tolist()
-        halts = stand.target.passengers and high_m < there.position_m
-        driven_s += end_s - begin_s + (dwell_min_s if halts else 0.0)
-    return driven_s

@@ -47,7 +47,7 @@ class DayFigures(msgspec.Struct, frozen=True):
     `primary_s`: by how much lateness grew because of what was drawn or failed, `secondary_s` because a train waited for
     another, `other_s` for neither (driving, minutes of the plan that are too short); together all growth, which spare
     time takes back. `primary_delays` of LATE_S and more; `recovery_mean_s`: from each of those until no train is late
-    any more, `recovery_s`: the longest time without a moment in which none was, `late_time_s`: all such time;
+    any more, None on a day without one, `recovery_s`: the longest time without a moment in which none was, `late_time_s`: all such time;
     `recovered`: whether the day ended so. `drawn`: how many things were drawn, by key path of their table. `deadlock`:
     trains that wait for one another in a ring at the end. `mean_delay_s`: as `mean_late_s`, what is early as on time.
 
@@ -75,7 +75,7 @@ class DayFigures(msgspec.Struct, frozen=True):
     other_s: float = 0.0
     primary_delays: int = 0
     recovery_s: float = 0.0
-    recovery_mean_s: float = 0.0
+    recovery_mean_s: float | None = None
     late_time_s: float = 0.0
     recovered: bool = True
     drawn: tuple[tuple[str, int], ...] = ()
@@ -113,7 +113,7 @@ def late_figures(result: RunResult, setup: Setup) -> DayFigures:
         other_s=_sum(grown, "other_s"),
         primary_delays=len(begun),
         recovery_s=_rounded(max(lengths_s, default=0.0)),
-        recovery_mean_s=_rounded(math.fsum(recoveries) / len(recoveries)) if recoveries else 0.0,
+        recovery_mean_s=_rounded(math.fsum(recoveries) / len(recoveries)) if recoveries else None,
         late_time_s=_rounded(math.fsum(lengths_s)),
         recovered=all(stretch.over for stretch in stretches),
         drawn=tuple(counts_of(late_day(setup)).items()),

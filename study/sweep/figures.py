@@ -40,7 +40,12 @@ _ALL: Final = (
     DayFigure("lost_train_minutes", "train-minutes lost", "min", lambda day: day.lost_train_minutes),
     DayFigure("primary_s", "lateness from what was drawn or failed", "s", lambda day: day.primary_s),
     DayFigure("secondary_s", "lateness from waiting for other trains", "s", lambda day: day.secondary_s),
-    DayFigure("recovery_mean_s", "mean time until no train is late", "s", lambda day: day.recovery_mean_s),
+    DayFigure(
+        "recovery_mean_s",
+        "mean time from a delay until no train is late",
+        "s",
+        lambda day: day.recovery_mean_s,
+    ),
     DayFigure("recovery_s", "longest time with a late train", "s", lambda day: day.recovery_s),
     DayFigure("late_time_s", "time with a late train", "s", lambda day: day.late_time_s),
     *(

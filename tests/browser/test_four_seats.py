@@ -98,8 +98,10 @@ def worked_from_four_seats(browser: Any, address: str, day: WorkedDay, file: Pat
     instructor.run_to(clock(day.begin_s + 960))
     driver.shows("#cab-drives", "by ATO")
     staff.page.get_by_role("button", name="protocol").click()
-    staff.shows("#score", "power_off block-manager")
-    staff.page.get_by_role("button", name="close").click()
+    staff.shows(".answer", "the run's end")  # it tells what has failed
+    instructor.page.get_by_role("button", name="protocol").click()
+    instructor.shows("#score", "power_off block-manager")
+    instructor.page.get_by_role("button", name="close").click()
     instructor.page.fill("#to-time", "27:00:00")
     instructor.page.get_by_role("button", name="run to").click()
     instructor.shows("#running", "all trains have finished")

@@ -55,7 +55,7 @@ def test_what_seats_do_is_saved_as_a_drill_of_the_same_events(two_trains: Scenar
         visitor.run_to(36_090.0)
         assert visitor.ask(DoAct(act={"kind": "reenter_assisted"}), Seat.DISPATCHER).good
         visitor.run_to(80_000.0)
-        text = visitor.ask(SaveDrill(id="saved")).text
+        text = visitor.ask(SaveDrill(id="saved"), Seat.STAFF).text  # once it has ended
         ended_s = visitor.live.moment.known.time_s
     finally:
         visitor.live.stop()

@@ -151,6 +151,13 @@ def test_behind_what_encrypts_a_page_has_another_scheme(door: Door) -> None:
         assert rules.refused(HOST, "https://evil.example") is Refusal.ORIGIN
 
 
+def test_a_browser_names_no_port_where_it_is_that_of_http() -> None:
+    for port, taken in ((80, True), (8580, False)):
+        rules = on_loopback(port)
+        assert (rules.refused(LOOPBACK, f"http://{LOOPBACK}") is None) is taken
+        assert rules.refused(f"{LOOPBACK}:{port}", None) is None
+
+
 def test_a_seat_opens_with_its_own_token_alone(door: Door) -> None:
     rules = with_tokens()
     assert rules.tokens is not None
@@ -189,6 +196,8 @@ def test_tokens_are_written_for_their_owner_alone_and_over_no_file(tmp_path: Pat
         ("dispatcher", {"say": "fail", "fault": {"kind": "restart", "target": "K1"}}, "expected instructor"),
         ("dispatcher", {"say": "go_back", "time_s": 35000}, "expected instructor"),
         ("dispatcher", {"say": "act", "act": {"kind": "power_on", "target": "K1"}}, "the seat dispatcher"),
+        ("dispatcher", {"say": "protocol"}, "expected instructor, or the run's end"),
+        ("guest", {"say": "save", "id": "x"}, "expected instructor, or the run's end"),
         ("staff", {"say": "act", "act": {"kind": "accept_picture"}}, "the seat staff"),
         ("guest", {"say": "act", "act": {"kind": "give_back", "target": "K1"}}, "none is"),
         (

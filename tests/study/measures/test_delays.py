@@ -235,6 +235,7 @@ def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None
     figures = day_figures(result([], [(900.0, WORLD, PowerOff(device_id="K1"))], Ending.STALLED), setup)
     assert (figures.primary_delays, figures.recovered) == (1, False)
     assert figures.recovery_mean_s == figures.primary_s == 5900.0 - 1200.0
+    assert day_figures(result(ON_TIME), setup).recovery_mean_s is None  # and none that took no time
 
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:
