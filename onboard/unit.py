@@ -204,6 +204,9 @@ class OnboardUnit:
         opened = self._endpoint.open(data, now_s)
         if isinstance(opened, Dropped):
             self._notes.append(opened.noted(self.unit_id))
+            source = "" if opened.envelope is None else opened.envelope.source
+            if (event := self._letters.read_dropped(opened.reason, source)) is not None:
+                self._take(TelegramHeard(event), place, now_s)
             return
         self._notes.append(opened.noted(self.unit_id))
         if self._crossings.hear(opened, self._elapsed.at(now_s)):

@@ -16,6 +16,7 @@ from network.model import Position, SectionKind, TagPurpose
 from onboard.authority.records import (
     ConfirmationHeard,
     ContestHeard,
+    EarlierBootCalled,
     GrantHeard,
     PeerRestarted,
     PointsDenialHeard,
@@ -275,7 +276,7 @@ def _time(run: ExploredRun) -> Iterator[_Happening]:
 
 def _telegrams(run: ExploredRun) -> Iterator[_Happening]:
     if run.state.phase not in (DutyPhase.OFF, DutyPhase.GONE):
-        for event in (*_answers(run), *_of_points(run), QueryHeard(), PeerRestarted()):
+        for event in (*_answers(run), *_of_points(run), QueryHeard(), EarlierBootCalled(), PeerRestarted()):
             yield TelegramHeard(event), run
         if run.state.authority.on_line:
             yield TelegramHeard(ContestHeard(run.state.authority.held[:1])), run

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from onboard.authority import machine as authority
 from onboard.authority import sign_on
-from onboard.authority.records import QueryHeard
+from onboard.authority.records import EarlierBootCalled, QueryHeard
 from onboard.authority.tables import SignOnStanding
 from onboard.duty import on_sight
 from onboard.duty.duty_step import DutyStep
@@ -61,6 +61,18 @@ def _claims_as_on_the_line() -> tuple[Change, ...]:
 def _disputed_leaver_stays() -> tuple[Change, ...]:
     """A unit in dispute that had signed off, and has left since, goes on holding what persons have said of it."""
     return ((leaving, "has_left", _never),)
+
+
+def _counted_out_forgotten() -> tuple[Change, ...]:
+    """That the boundary has counted a train out is forgotten once its unit says that it is still in the portal."""
+    return ((leaving, "counted_out", _never),)
+
+
+def _silent_off_the_line() -> tuple[Change, ...]:
+    """A unit that has booted off the line says nothing to who speaks to an earlier boot."""
+    table = dict(authority.TABLE)
+    del table[SignOnStanding.OFF_LINE, EarlierBootCalled]
+    return ((authority, "TABLE", MappingProxyType(table)),)
 
 
 def _booted_at_its_mark_keeps_all() -> tuple[Change, ...]:
@@ -118,6 +130,8 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
         "booted-holds-nothing": _booted_holds_nothing,
         "leaver-counts-as-on-the-line": _claims_as_on_the_line,
         "disputed-leaver-stays": _disputed_leaver_stays,
+        "counted-out-forgotten": _counted_out_forgotten,
+        "silent-off-the-line": _silent_off_the_line,
         "booted-at-its-mark-keeps-all": _booted_at_its_mark_keeps_all,
         "old-token-obeyed": _old_token_obeyed,
         "proves-undetected": _proves_undetected,

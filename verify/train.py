@@ -116,7 +116,9 @@ class ExploredTrain:
             return TrainStep(state)
         heard = opened(PEERS[peer], telegram, state.epoch, state.heard[peer])
         if isinstance(heard, DropReason):
-            return TrainStep(state)
+            letters = Letters(self.unit_id, MANAGER_ID, state.numbers)
+            event = letters.read_dropped(heard, PEERS[peer])
+            return TrainStep(state) if event is None else self.take(state, TelegramHeard(event))
         boots = (*state.heard[:peer], heard.epoch, *state.heard[peer + 1 :])
         return self.take(state._replace(heard=boots), heard)
 

@@ -293,13 +293,9 @@ def _weigh_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claime
     if conflict is not None:
         free = [section_id for section_id in claimed if register.holders.get(section_id, unit_id) == unit_id]
         register = register.with_held(unit_id, (*register.held_by(unit_id), *free))
-        disputed = replace(
-            unit,
-            standing=UnitStanding.DISPUTED,
-            epoch=heard.epoch,
-            claim=claimed,
-            leaves=isinstance(heard.message, LeavingClaim),
-        )
+        leaves = isinstance(heard.message, LeavingClaim)
+        disputed = replace(unit, standing=UnitStanding.DISPUTED, claim=claimed, leaves=leaves)
+        disputed = replace(disputed, epoch=heard.epoch, counted_out=leaving.counted_out(unit, heard))
         register = register.with_unit(unit_id, disputed)
         section_id, other_id = conflict
         shown = Contradicted(unit_id=unit_id, section_ids=(section_id,), token=unit.token, other_id=other_id)
@@ -403,6 +399,7 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     to_give_back = isinstance(heard.message, Claim) and 0 < len(claimed) < len(held)
     needed = (lost or unit.claim_needed) and is_to_hear(heard, after)
     after = replace(after, unproven=unproven, silent=to_give_back, claim_needed=needed)
+    after = replace(after, counted_out=leaving.counted_out(unit, heard))
     after = entering.carried_over(unit, after, held)
     register = register.with_unit(unit_id, after)
     actions, was = list[Action](shown), unit.standing.value
@@ -423,13 +420,16 @@ def _sign_on_leaving(register: Register, heard: Heard[SignOn]) -> Step:
 
 
 def _claim_leaving(register: Register, heard: Heard[Claim]) -> Step:
-    """Empty and of the boot that signed off: its train has left. Its portal alone: not yet. Else as any claim."""
+    """Empty, and of the boot that signed off or after the boundary's contact: its train has left. Its portal alone: not
+    yet. Else as any claim.
+    """
     unit_id, claimed = heard.unit_id, heard.message.section_ids
     same_boot = heard.epoch == register.unit(unit_id).epoch
     if not heard.fresh:
         return challenge(register, heard)
     if claimed == ():
-        return leaving.left_line(register, unit_id) if same_boot else (register, ())
+        left = same_boot or register.unit(unit_id).counted_out
+        return leaving.left_line(register, unit_id) if left else (register, ())
     if same_boot and claimed == register.held_by(unit_id):
         return register, ()
     return _take_claim(register, heard)

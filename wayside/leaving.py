@@ -1,6 +1,7 @@
 """Invariant: a portal is its unit's until its train is known to have left the line: by the contact at the boundary,
 which has counted it out, or by the unit's own word that it holds nothing, in the boot that signed off. Silence keeps
-it.
+it. A unit that says after the contact that it is still in the portal is believed, as long as it says so: its portal is
+its own again until it says that it holds nothing, in whatever boot, as two that know then say that it has left.
 
 Signing off (在線抹消) in two steps, as handlers of the block manager: an answer may be lost, and a unit may lose its
 power before it hears it; so the manager's acceptance says only that the train may leave.
@@ -86,6 +87,12 @@ def claimed_standing(register: Register, message: SignOn | Claim, held: tuple[st
         return UnitStanding.OUTSIDE
     leaves = isinstance(message, LeavingClaim) and register.plan.portals.issuperset(message.section_ids or ())
     return UnitStanding.LEAVING if leaves else UnitStanding.REPORTED
+
+
+def counted_out(unit: RegisteredUnit, heard: Heard[SignOn] | Heard[Claim]) -> bool:
+    """Whether it says that it still leaves by its portal after the boundary has counted it out in the same boot."""
+    by_contact = unit.counted_out or (unit.standing is UnitStanding.OUTSIDE and not unit.by)
+    return by_contact and unit.epoch == heard.epoch and isinstance(heard.message, LeavingClaim)
 
 
 def has_left(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> bool:

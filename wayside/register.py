@@ -45,7 +45,8 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     """A unit that has been heard or entered.
 
     `epoch`: the boot that signed on; `token`, `route_id`, `correlation`: of its last grant and its request; `claim`:
-    what it says it holds, while that is disputed, `leaves`: as one that has signed off. `by`: who said so, where
+    what it says it holds, while that is disputed, `leaves`: as one that has signed off. `counted_out`: it leaves, and
+    the boundary has counted it out before it said so (`wayside.leaving`). `by`: who said so, where
     persons did; `claim_needed`: of this boot only a fresh claim counts, since it spoke for itself before persons did;
     `silent`: it may be on the line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was.
     `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
@@ -60,6 +61,7 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     correlation: int = 0
     claim: tuple[str, ...] | None = None
     leaves: bool = False
+    counted_out: bool = False
     by: str = ""
     claim_needed: bool = False
     silent: bool = False

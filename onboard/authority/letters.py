@@ -16,7 +16,7 @@ from onboard.authority import records as sym
 from onboard.authority.records import RequestKind
 from onboard.plan import PointsNeeded
 from radio import messages as radio
-from radio.envelope import Received
+from radio.envelope import DropReason, Received
 
 LOST_SIGHT: Final = (radio.RefusalReason.NOT_SIGNED_ON, radio.RefusalReason.STALE_TOKEN)
 NOT_THE_NEWEST: Final = (
@@ -91,6 +91,12 @@ class Letters:
         self._heard = heard
         reader = _READERS.get(type(heard.message))
         return None if reader is None else reader(self, heard, heard.message)
+
+    def read_dropped(self, why: DropReason, source: str) -> sym.Event | None:
+        """What a telegram means that took no effect; None where it means nothing to a unit."""
+        self._heard = None
+        calls = why is DropReason.EARLIER_BOOT and source == self._manager_id
+        return sym.EarlierBootCalled() if calls else None
 
     def write(self, action: sym.SendRequest | sym.SendClaim | sym.SendRefusal | sym.SendCommand) -> Letter:
         """The telegram that an action asks for."""

@@ -247,6 +247,10 @@ class QueryHeard(msgspec.Struct, frozen=True, tag=True):
     """The manager asks what the unit holds."""
 
 
+class EarlierBootCalled(msgspec.Struct, frozen=True, tag=True):
+    """The manager speaks to an earlier boot of the unit: it has not heard of this one."""
+
+
 class ProofHeard(msgspec.Struct, frozen=True, tag=True):
     """A terminal shows points: `position` None where none is detected and locked; `mine`: under the token commanded."""
 
@@ -320,6 +324,7 @@ Event = (
     | ConfirmationHeard
     | ContestHeard
     | QueryHeard
+    | EarlierBootCalled
     | ProofHeard
     | PointsDenialHeard
     | PeerRestarted

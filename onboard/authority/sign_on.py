@@ -15,6 +15,7 @@ from onboard import notes
 from onboard.authority.records import (
     Authority,
     BeginOnLine,
+    EarlierBootCalled,
     EndOnLine,
     OpenRequest,
     QueryHeard,
@@ -154,6 +155,13 @@ def queried_off_line(state: Authority, event: QueryHeard) -> Result:
     return (state, (SendClaim(None),)) if state.unsure else queried(state, event)
 
 
+def called_off_line(state: Authority, _event: EarlierBootCalled) -> Result:
+    """Off the line for sure, it asks for nothing by which the manager would hear of this boot: says that it holds
+    nothing, and is asked again as who it is.
+    """
+    return (state, ()) if state.unsure else queried(state, QueryHeard())
+
+
 def queried_signing_on(state: Authority, event: QueryHeard) -> Result:
     """Answers at once: with all that it claims, with nothing while it waits to enter, or that it does not know."""
     request = state.open(RequestKind.SIGN_ON)
@@ -180,6 +188,7 @@ TABLE: Final[Table] = MappingProxyType(
         (SignOnStanding.OFF_LINE, TakenOff): taken_off,
         (SignOnStanding.LEAVING, TakenOff): taken_off,
         (SignOnStanding.OFF_LINE, QueryHeard): queried_off_line,
+        (SignOnStanding.OFF_LINE, EarlierBootCalled): called_off_line,
         (SignOnStanding.SIGNING_ON, QueryHeard): queried_signing_on,
         (SignOnStanding.ON_LINE, QueryHeard): queried,
         (SignOnStanding.SIGNING_OFF, QueryHeard): queried,

@@ -37,6 +37,8 @@ from onboard.unit import OnboardUnit
 from onboard.unit_records import UnitParameters
 from onboard.vehicle import VehicleInputs
 from radio.messages import (
+    Claim,
+    ClaimQuery,
     HoldingConfirmed,
     HoldingReport,
     OrderRefusalReason,
@@ -163,6 +165,17 @@ def test_signing_off(at_b: Bench) -> None:
     at_b.tell([OffTheLine()])
     assert at_b.phase is DutyPhase.GONE
     assert at_b.held == ()
+
+
+def test_booted_off_the_line_it_answers_a_manager_that_speaks_to_its_earlier_boot(at_b: Bench) -> None:
+    at_b.unit = at_b.boot(2)
+    at_b.hear(MANAGER, ClaimQuery())
+    assert (at_b.notes, at_b.said) == (["telegram_dropped"], []), "it may be on the line"
+    at_b.tell([OffTheLine()])
+    at_b.hear(MANAGER, ClaimQuery())
+    assert (at_b.notes, at_b.said) == (["telegram_dropped", "claimed"], [Claim((), 0)])
+    at_b.hear("A-E", proof("P5"))
+    assert (at_b.notes, at_b.said) == (["telegram_dropped"], [])
 
 
 def test_a_broken_telegram_takes_no_effect(granted: Bench) -> None:

@@ -96,6 +96,17 @@ def test_a_leaver_in_dispute_that_counts_as_on_the_line_can_hold_a_section_for_e
 
 
 @pytest.mark.nightly
+@pytest.mark.parametrize("name", ["counted-out-forgotten", "silent-off-the-line"])
+def test_a_train_that_has_left_can_hold_its_portal_for_ever_if_its_unit_then_boots(name: str) -> None:
+    line = ExploredLine(budgets=Budgets(delay=1, power=1))
+    with restored(name):
+        found = explored(line)
+    assert not found.broken
+    assert found.dead > 0
+    assert found.story[-1] == "u1 power fails"
+
+
+@pytest.mark.nightly
 @pytest.mark.parametrize("rule", ReleaseRule)
 def test_with_a_tag_between_it_is_safe_and_alive(rule: ReleaseRule) -> None:
     found = explored(ExploredLine(budgets=Budgets(power=1), tag_between=rule))

@@ -293,6 +293,16 @@ def test_one_that_has_signed_off_is_asked_until_it_is_told_that_its_train_has_le
     assert desk.register.holders == {}
 
 
+def test_one_that_was_counted_out_has_left_when_it_says_so_in_a_later_boot() -> None:
+    """Found by `branchline verify explore 0/1/1/0`: it lost its power untold, and held its portal for ever."""
+    desk = signed_off()
+    desk.act(BoundaryPassed("P9"))
+    desk.hear("u1", LeavingClaim(("P9",), 1), correlation=ASKED_SINCE)
+    assert (desk.standing("u1"), desk.register.held_by("u1")) == (UnitStanding.LEAVING, ("P9",))
+    claims(desk, epoch=2)
+    assert desk.register.holders == {}
+
+
 def test_a_manager_started_again_asks_one_that_leaves_until_it_has() -> None:
     desk = Desk(epoch=2)
     desk.hear("u1", LeavingClaim(("P9",), 0))

@@ -20,6 +20,7 @@ from onboard.authority.records import (
     Cleared,
     ConfirmationHeard,
     ContestHeard,
+    EarlierBootCalled,
     EndOnLine,
     Event,
     FoundAt,
@@ -98,6 +99,7 @@ EXAMPLES: Final[dict[type[Event], Event]] = {
     ConfirmationHeard: ConfirmationHeard(("3",), answers=True, newer=True),
     ContestHeard: ContestHeard(("6",)),
     QueryHeard: QueryHeard(),
+    EarlierBootCalled: EarlierBootCalled(),
     ProofHeard: ProofHeard("P5", "A-E", "normal", mine=True),
     PointsDenialHeard: PointsDenialHeard("P5", "A-E", "old token", mine=True),
     PeerRestarted: PeerRestarted(),
@@ -192,7 +194,9 @@ def test_nothing_is_sent_where_the_radio_does_not_reach(state: Authority, kind: 
     _, actions = step(state, EXAMPLES[kind], covered=False)
     assert not [action for action in actions if isinstance(action, SendRequest | SendCommand)]
     assert not timers_after(set(), actions)
-    assert kind is QueryHeard or not [action for action in actions if isinstance(action, SendClaim)]
+    assert kind in (QueryHeard, EarlierBootCalled) or not [
+        action for action in actions if isinstance(action, SendClaim)
+    ]
 
 
 def test_sign_off_goes_first_and_the_report_last() -> None:
@@ -235,7 +239,7 @@ EVENTS: Final = st.one_of(
         yes,
     ),
     st.builds(PointsDenialHeard, st.just("P5"), st.just("A-E"), st.sampled_from(("a", "b")), yes, yes),
-    st.sampled_from((EndOnLine(), TurnedBack(), QueryHeard(), PeerRestarted())),
+    st.sampled_from((EndOnLine(), TurnedBack(), QueryHeard(), EarlierBootCalled(), PeerRestarted())),
 )
 SEEN: Final = st.builds(CheckedByCrew, points_)
 

@@ -14,6 +14,7 @@ from onboard.authority.records import (
     Authority,
     BeginOnLine,
     Commit,
+    EarlierBootCalled,
     EndOnLine,
     Event,
     OpenCommand,
@@ -287,6 +288,13 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "an acceptance of another sign-off is none": (SIGNING_OFF, SignOffHeard(answers=False), SIGNING_OFF, ()),
     "asked off the line, it claims nothing": (OFF, QueryHeard(), OFF, (SendClaim(()), claimed())),
+    "spoken to as an earlier boot off the line, it says that it holds nothing": (
+        OFF,
+        EarlierBootCalled(),
+        OFF,
+        (SendClaim(()), claimed()),
+    ),
+    "but not before it has been told that it is off the line": (BOOTED, EarlierBootCalled(), BOOTED, ()),
     "asked after a boot, before its crew has entered a train number, it does not know": (
         BOOTED,
         QueryHeard(),
