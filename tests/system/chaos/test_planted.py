@@ -32,7 +32,7 @@ SOON: Final = {
     "believes_any_tag": ("unsafe", Checker.WITHIN_BOUNDS, Checker.RELEASE_BEHIND_REAR),
     "accepts_telegrams_twice": (Checker.TELEGRAM_ONCE,),
     "ground_accepts_telegrams_twice": (Checker.TELEGRAM_ONCE,),
-    "crew_does_not_look": ("unsafe",),
+    "crew_does_not_look": ("unsafe", Checker.POINTS_UNDER_TRAIN),
     "grants_while_undefined": (Checker.UNDEFINED_GRANTS_NOTHING,),
 }
 
