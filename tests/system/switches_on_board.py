@@ -143,6 +143,12 @@ def does_not_hear_that_it_has_left(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def silent_after_it_has_left(patch: pytest.MonkeyPatch) -> None:
+    """A unit that has booted off the line says nothing to who speaks to its earlier boot."""
+    with_handlers(patch, {sym.EarlierBootCalled: lambda _called: lambda state, _event: (state, ())})
+
+
+@switch
 def waits_where_it_is_held_up(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(duty_machine, "held_up", lambda _turn: None)
 

@@ -329,6 +329,10 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         ),
         "58d_hauled_away_uncounted": ("one_person_suffices", "one person's word frees nothing"),
         "58e_hauled_away_and_asked": ("does_not_hear_that_it_has_left", "no person has to speak for it"),
+        "58f_left_untold_and_booted": (
+            "silent_after_it_has_left",
+            "booted and told that it is off the line, it is heard of, and the portal is free",
+        ),
         "59_unit_barred": ("frees_what_a_barred_unit_holds", Checker.ONE_TRAIN_A_SECTION),
         "59b_unit_claims_falsely": ("bars_nobody", "the line goes on while it is mad"),
         "70_no_fix_before_the_mark": (

@@ -53,4 +53,4 @@ def test_a_defect_is_found_at_once(name: str, nets: Path) -> None:
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", SOON)
 def test_a_defect_is_found_soon(name: str, nets: Path) -> None:
-    assert _found(name, 250, nets).kind.startswith(SOON[name])
+    assert _found(name, 1000, nets).kind.startswith(SOON[name])
