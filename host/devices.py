@@ -14,7 +14,7 @@ import msgspec
 from host.parties import Parties
 from host.party import Codec, PartySpec, Role
 from radio.keys import key_ring
-from wayside.config import CrossingConfig, ManagerConfig, TerminalConfig, encode_config
+from wayside.config import CrossingConfig, ManagerConfig, OrderRule, TerminalConfig, encode_config
 from wayside.said import Input, Note, Output
 
 
@@ -71,7 +71,8 @@ def device_specs(
     ids = [terminal.device_id for terminal in terminals]
     ring = key_ring(master_key, manager.device_id, manager.unit_ids, ids)
     own = encode_config(manager)
-    specs = [PartySpec(manager.line_id, manager.device_id, Role.BLOCK_MANAGER, own, ring)]
+    solves = manager.dispatch.order is OrderRule.OPTIMAL
+    specs = [PartySpec(manager.line_id, manager.device_id, Role.BLOCK_MANAGER, own, ring, solves)]
     for terminal in terminals:
         ring = key_ring(master_key, terminal.device_id, manager.unit_ids, [terminal.device_id])
         own = encode_config(terminal)

@@ -23,7 +23,7 @@ from host.lockstep import Asker, PartyAnswer, Tagged, of_certificate, of_run
 from host.order_solver import HANGS_S
 from host.over_tls import FAR, FarProcess, PartyInvitation, PowerDeed, ToldFar
 from host.parties import ForeignError, PartyBug, PartyError
-from host.party import Advance, PartySpec, Role
+from host.party import Advance, PartySpec
 from host.patience import Patience
 from host.planes import (
     ANSWER_LIMIT_S,
@@ -54,9 +54,9 @@ _DEATH_LIMIT_S: Final = 2.0
 _OWN_SESSION: Final = "1"
 
 
-def answer_limit_s(role: Role) -> float:
+def answer_limit_s(spec: PartySpec) -> float:
     """After how long without an answer a party hangs, s; a block manager may itself wait for the solver of orders."""
-    return ANSWER_LIMIT_S + (HANGS_S if role is Role.BLOCK_MANAGER else 0.0)
+    return ANSWER_LIMIT_S + (HANGS_S if spec.asks_solver else 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,7 +331,7 @@ class ZenohParties:
         A party that is slow is asked the same again. If this process was stopped, its own limit may have run out over
         an answer that is there: such a time is not counted.
         """
-        limit_s = answer_limit_s(hosted.spec.role)
+        limit_s = answer_limit_s(hosted.spec)
         patience = Patience(limit_s, gap_s_max=2.0 * ASK_AGAIN_S)
         while True:
             try:

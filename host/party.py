@@ -45,6 +45,7 @@ class PartySpec(msgspec.Struct, frozen=True):
     role: Role
     config: bytes
     keys: KeyRing
+    asks_solver: bool = False  # and waits for it before it answers
 
     @property
     def called(self) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
+import msgspec
 import psutil
 import pytest
 import zenoh
@@ -23,11 +24,19 @@ from host.lockstep import Asker, Tagged
 from host.order_solver import HANGS_S
 from host.over_zenoh import ZenohParties, answer_limit_s
 from host.parties import ForeignError, PartyBug, PartyError
-from host.party import Advance, Role
+from host.party import Advance
 from host.planes import said_key, session_json5, time_key
 from host.process import SECRETS_FILE, PartyProcess, environment, write_private
 from tests.nightly import others_nightly
-from wayside.config import MANAGER_ID, ManagerConfig, PointsEntry, SectionEntry, TerminalConfig
+from wayside.config import (
+    MANAGER_ID,
+    DispatchEntry,
+    ManagerConfig,
+    OrderRule,
+    PointsEntry,
+    SectionEntry,
+    TerminalConfig,
+)
 
 MASTER: Final = b"m" * 32
 MANAGER: Final = ManagerConfig("line", MANAGER_ID, ("u1",), (SectionEntry("P", portal=True),), ())
@@ -330,8 +339,11 @@ def test_a_party_that_hangs_is_blamed(parties: ZenohParties, monkeypatch: pytest
 
 
 def test_a_manager_may_wait_for_its_solver_as_long_as_that_may_work() -> None:
-    """Else a day with `order = "optimal"` would end on a machine that is busy with others."""
-    assert answer_limit_s(Role.BLOCK_MANAGER) > HANGS_S > answer_limit_s(Role.POINT_TERMINAL)
+    """Else a day with `order = "optimal"` would end on a busy machine. With another order it asks none."""
+    for order in OrderRule:
+        config = msgspec.structs.replace(MANAGER, dispatch=DispatchEntry(order=order))
+        waits_s = [answer_limit_s(spec) for spec in device_specs(config, (), MASTER)]
+        assert [limit_s > HANGS_S for limit_s in waits_s] == [order is OrderRule.OPTIMAL]
 
 
 # what is left ---------------------------------------------------------------------------------------------
