@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -155,7 +156,8 @@ def _number(
 
 def timetable_table(run: ChosenRun) -> pl.DataFrame:
     """Station timetable of the choice."""
-    rows = run.chosen_rows(station_timetable(run.tables.stops, run.line, run.timetable))
+    end_s = run.read.summary.get("latest_end_s") or math.inf
+    rows = run.chosen_rows(station_timetable(run.tables.stops, run.line, run.timetable, end_s))
     return run.rows_in_window(rows, "planned_departure_s", "planned_arrival_s", "departure_s", "arrival_s")
 
 
