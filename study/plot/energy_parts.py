@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -32,7 +33,6 @@ def draw_energy_parts(run: ChosenRun) -> Figure | None:
         "direction", [int(run.directions[train]) for train in run.tables.energy_legs["train"]]
     )
     legs = run.chosen_rows(run.tables.energy_legs.with_columns(directions))
-    at_m = {station.id: station.position_m for station in run.stations}
     panels: list[tuple[Direction, list[dict[str, float | str]]]] = []
     for direction in Direction:
         means = (
@@ -40,13 +40,10 @@ def draw_energy_parts(run: ChosenRun) -> Figure | None:
             .group_by("from_station", "to_station")
             .agg(pl.col("net_kwh", *_COLOURS).mean())
         )
-
-        def along(row: dict[str, float | str], direction: Direction = direction) -> float:
-            outside = -direction * float("inf") if row["to_station"] in at_m else direction * float("inf")
-            return direction * at_m.get(str(row["from_station"]), outside)
-
         if means.height:
-            panels.append((direction, sorted(means.to_dicts(), key=along)))
+            rows_of = {(row["from_station"], row["to_station"]): row for row in means.to_dicts()}
+            ends = sorted(rows_of, key=partial(run.along, direction))
+            panels.append((direction, [rows_of[leg] for leg in ends]))
     if not panels:
         return None
     figure = Figure(figsize=(WIDTH_IN, 3.6 * len(panels)), layout="constrained")

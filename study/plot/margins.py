@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
@@ -15,7 +17,6 @@ from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, WIDTH_IN, dots
 def draw_margins(run: ChosenRun) -> Figure | None:
     """A panel a direction, a column a hop: the margin of every train as planned, and what was left on its arrival."""
     table = run.chosen_rows(run.tables.margins)
-    at_m = {station.id: station.position_m for station in run.stations}
     panels: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
     for direction in Direction:
         own = table.filter(
@@ -23,7 +24,7 @@ def draw_margins(run: ChosenRun) -> Figure | None:
         )
         hops = sorted(
             set(own.select("from_station", "to_station").iter_rows()),
-            key=lambda hop: [direction * at_m[place] for place in hop],
+            key=partial(run.along, direction),
         )
         if hops:
             panels.append((direction, hops, own))

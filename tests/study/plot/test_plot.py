@@ -1,7 +1,7 @@
 """Every kind of plot of real runs, in both languages: written whole, the same each time, with no text cut."""
 
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -21,6 +21,7 @@ from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
 from study.plot.words import plot_word
 from study.plot.write import default_name, figure_of, format_of, write_plot
 from study.record.read_back import RunRead, read_run
+from study.record.tables import ROWS, RunTables
 from study.record.wait import Cause
 from study.report.drawn import DPI, Format
 from study.report.style import drawing
@@ -107,6 +108,32 @@ def test_every_kind_is_written_the_same_each_time(
     assert data.startswith(BEGINNINGS[form])
     assert data == (tmp_path / "second").read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["first", "second"]
+
+
+@pytest.mark.parametrize("name", ["energy-leg", "energy-parts", "margins"])
+def test_legs_that_begin_or_end_together_stand_in_one_order(read: RunRead, name: str) -> None:
+    """An express beside trains that call everywhere: the first leg from a station, and to it, is the shorter one."""
+    table = "margins" if name == "margins" else "energy_legs"
+    rows = getattr(read.tables, table)
+    ends = next(
+        (a, b, c)
+        for (a, b), (_, c) in pairwise(
+            rows.filter(pl.col("train") == read.timetable.diagrams[0].train_numbers[0])
+            .select("from_station", "to_station")
+            .rows()
+        )
+        if all(end in read.line.stations for end in (a, b, c))
+    )
+    express = rows.filter(pl.col("from_station") == ends[0], pl.col("to_station") == ends[1])[:1]
+    more = pl.concat([express.with_columns(pl.lit(ends[2]).alias("to_station")), rows])
+    changed = replace(read, tables=RunTables(**{n: getattr(read.tables, n) for n in ROWS} | {table: more}))
+    legs = ["\n".join(read.line.stations[end].name for end in leg) for leg in pairwise(ends)]
+    wanted = [legs[0], "\n".join(read.line.stations[end].name for end in ends[::2]), legs[1]]
+    for _ in range(20):
+        with drawing():
+            figure = figure_of(chosen_run(changed, Choice()), kind_of(name))
+        shown = [label.get_text() for axes in figure.axes for label in axes.get_xticklabels()]
+        assert [label for label in shown if label in wanted] == wanted
 
 
 def cut_texts(figure: Figure) -> list[str]:
