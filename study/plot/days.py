@@ -149,5 +149,5 @@ def duties_table(run: ChosenRun) -> pl.DataFrame:
 
 def draw_duties(run: ChosenRun) -> Figure | None:
     """The duty graph of the day as it was, with stations in the language chosen."""
-    stations = {s.id: replace(s, name=run.name(s.id)) for s in run.line.stations.values()}
+    stations = {s.id: replace(s, name=run.name(s.id), name_ja="") for s in run.line.stations.values()}
     return draw_duty_graph(replace(run.line, stations=stations), _duties(run))

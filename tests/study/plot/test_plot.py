@@ -1,7 +1,7 @@
 """Every kind of plot of real runs, in both languages: written whole, the same each time, with no text cut."""
 
 from dataclasses import replace
-from itertools import pairwise, product
+from itertools import pairwise, permutations, product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -27,6 +27,7 @@ from study.report.drawn import DPI, Format
 from study.report.style import drawing
 from study.runner.run import write_run
 from study.wording.catalogue import phrases_of
+from study.wording.phrase import Language
 from tests.nightly import others_nightly
 from tests.plain import run_on_plain
 
@@ -108,6 +109,17 @@ def test_every_kind_is_written_the_same_each_time(
     assert data.startswith(BEGINNINGS[form])
     assert data == (tmp_path / "second").read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["first", "second"]
+
+
+def test_duties_name_places_in_the_language_chosen(read: RunRead) -> None:
+    station = read.line.stations[read.tables.stops["station"][-1]]
+    names: dict[Language, str] = {"en": station.name, "ja": station.name_ja or station.name}
+    for language, other in permutations(names):
+        with drawing():
+            figure = figure_of(chosen_run(read, Choice(language=language)), kind_of("duties"))
+        texts = "\n".join(text.get_text() for axes in figure.axes for text in axes.texts)
+        assert names[language] in texts
+        assert names[other] == names[language] or names[other] not in texts
 
 
 @pytest.mark.parametrize("name", ["energy-leg", "energy-parts", "margins"])
