@@ -70,7 +70,7 @@ def draw_occupation(run: ChosenRun) -> Figure | None:
     row_in = TALL_ROW_IN if alone else ROW_IN
     bands, grid = time_bands(*run.window_s)
     units = sorted(table["unit"].unique())
-    colours = unit_colours(units)
+    colours = unit_colours(list(run.units))
     figure = Figure(figsize=(WIDTH_IN, len(bands) * (row_in * len(rows) + 0.55) + 0.75), layout="constrained")
     for axes, band in zip(figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands, strict=True):
         draw_clock_axis(axes, band, grid)

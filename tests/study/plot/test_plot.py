@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib as mpl
 import polars as pl
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -218,6 +219,38 @@ def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
         axes = figure_of(run, kind_of("train-graph")).axes[0]
     low, high = axes.get_xlim()
     assert (low, high) == (6 * 3600.0, 6.5 * 3600.0)
+
+
+def colours_of(figure: Figure) -> dict[str, str]:
+    """Of each set, by the legend, or by the line of its panel."""
+    found = {
+        axes.get_ylabel().split("\n")[0]: str(axes.lines[2].get_color())
+        for axes in figure.axes
+        if "charge" in axes.get_ylabel()
+    }
+    for legend in figure.legends if not found else ():
+        patches, texts = legend.get_patches(), legend.get_texts()
+        found |= {
+            text.get_text(): to_hex(patch.get_facecolor()) for patch, text in zip(patches, texts, strict=True)
+        }
+    return found
+
+
+@pytest.mark.parametrize("name", ["track-occupation", "battery"])
+def test_a_set_keeps_its_colour_whatever_is_chosen(read: RunRead, name: str) -> None:
+    """The first set has left the line when the second one turns."""
+    kind = kind_for(read, name)
+    first, second = sorted({d.stock_id for d in read.timetable.diagrams})
+    gone_s = float(read.tables.trajectory.filter(pl.col("unit") == first)["t_s"][-1]) + 60.0
+    with drawing():
+        whole, part = (
+            figure_of(chosen_run(read, choice), kind) for choice in (Choice(), Choice(from_s=gone_s))
+        )
+    assert colours_of(part)[second] == colours_of(whole)[second] != colours_of(whole)[first]
+    if name == "battery":  # the set stands, and nothing is written down of it for a while
+        panel = next(axes for axes in part.axes if axes.get_ylabel().startswith(second))
+        assert panel.get_xlim()[0] == gone_s
+        assert panel.lines[2].get_xdata()[0] <= gone_s
 
 
 def test_whatever_is_waited_for_is_seen_and_blank_is_who_waits_for_nothing() -> None:
