@@ -8,11 +8,10 @@ shown as figures, from here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import polars as pl
 
-from network.timetable import Call, CallKind, Timetable
+from network.timetable import Timetable
 from simulation.setup import latest_end_s
 
 
@@ -27,13 +26,14 @@ def missing_calls(stops: pl.DataFrame, timetable: Timetable, end_s: float = math
             "station": call.station_id,
             "track": call.track,
             "kind": call.kind.value,
-            **dict(_planned(call, first=index == 0)),
+            "planned_arrival_s": None if call.arrival_s is None else float(call.arrival_s),
+            "planned_departure_s": None if call.departure_s is None else float(call.departure_s),
             "cancelled": False,
         }
         for diagram in timetable.diagrams
         for number in diagram.train_numbers
         if (train := timetable.trains.get(number)) is not None
-        for index, call in enumerate(train.calls)
+        for call in train.due_calls
         if (number, call.station_id) not in there and call.first_s <= end_s
     ]
     return pl.DataFrame(rows, schema=stops.schema)
@@ -62,6 +62,17 @@ def planned_times(
         )
         for what in ("arrival", "departure")
     )
+    never_due = {
+        (number, call.station_id, what)
+        for number, train in timetable.trains.items()
+        for what, call, due_s in (
+            ("arrival", train.calls[0], train.due_calls[0].arrival_s),
+            ("departure", train.calls[-1], train.due_calls[-1].departure_s),
+        )
+        if due_s is None
+    }
+    asked = [key not in never_due for key in times.select("train", "station", "what").rows()]
+    times = times.filter(pl.Series(asked, dtype=pl.Boolean))
     if end_s is None:
         latest_s = times.select((pl.col("planned_s") + pl.col("late_s")).max()).item()
         end_s = max(latest_end_s(timetable) if timetable.trains else 0.0, latest_s or 0.0)
@@ -69,10 +80,3 @@ def planned_times(
         pl.col("came") | (pl.col("planned_s") <= end_s)
     )  # what is cancelled has its stated lateness
     return due.with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))
-
-
-def _planned(call: Call, *, first: bool) -> Iterator[tuple[str, float]]:
-    if not first and call.arrival_s is not None and call.kind is not CallKind.PASS:
-        yield "planned_arrival_s", float(call.arrival_s)
-    if call.departure_s is not None:
-        yield "planned_departure_s", float(call.departure_s)

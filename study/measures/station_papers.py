@@ -86,6 +86,8 @@ def station_timetable(
             "origin": train.calls[0].station_id,
             "destination": train.calls[-1].station_id,
         }
+        if row["station"] == own["destination"] and train.due_calls[-1].departure_s is None:
+            row["planned_departure_s"] = None
         rows.append({name: own.get(name, row.get(name)) for name in STATION_TIMETABLE})
     frame = pl.DataFrame(rows, schema=STATION_TIMETABLE, orient="row")
     due_s = pl.coalesce("planned_departure_s", "planned_arrival_s", "departure_s", "arrival_s")

@@ -171,6 +171,24 @@ def test_what_never_came_is_in_the_papers_of_a_station_as_it_was_planned(
     assert until_six.filter(pl.col("station") == "OGN")["train"].to_list() == ["1D"]
 
 
+@pytest.mark.parametrize(("ends", "due"), [("stabled", 0), ("portal:HSK.MU", 1)])
+def test_nobody_waits_for_a_departure_where_a_train_ends_on_the_line(
+    stops: pl.DataFrame, line: Line, ends: str, due: int
+) -> None:
+    """Timetables of others have a departure at the last call too; whose set is stabled there has none to keep."""
+    text = TURN_BACK_TIMETABLE.replace('arrival = "06:26" }', 'arrival = "06:26", departure = "06:28" }')
+    timetable = parse_timetable(text.replace('ends = "stabled"', f'ends = "{ends}"'), "small.toml", line)
+    last = (pl.col("train") == "2U") & (pl.col("station") == "HSK")
+    given = stops.with_columns(
+        planned_departure_s=pl.when(last).then(H6 + 28 * 60).otherwise("planned_departure_s")
+    )
+    for table in (given, given[:4]):  # it came there, and it never ran
+        times = planned_times(table, timetable).filter(last, pl.col("what") == "departure")
+        assert len(times) == due
+        (row,) = station_timetable(table, line, timetable).filter(last).to_dicts()
+        assert (row["planned_departure_s"] is not None) is bool(due)
+
+
 def test_punctuality_by_station_by_hand(stops: pl.DataFrame, line: Line) -> None:
     found = {
         (row["station"], row["what"]): row

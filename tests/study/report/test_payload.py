@@ -1,6 +1,7 @@
 """What the page is told of a run is what its tables say."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,15 @@ def test_calls_are_those_of_plan_and_run(weekday: ReportedRun) -> None:
         assert unpacked(train["error"]) == pytest.approx(rows["stop_error_m"].to_list(), abs=0.00051)
         assert train["unit"] == rows["unit"][0]
         assert Direction(train["direction"]) is planned.direction
+
+
+def test_the_page_waits_for_no_departure_where_a_train_ends_on_the_line(weekday: ReportedRun) -> None:
+    plan = weekday.timetable.trains["321M"]
+    last = replace(plan.calls[-1], departure_s=plan.calls[-1].arrival_s)
+    trains = {**weekday.timetable.trains, "321M": replace(plan, calls=(*plan.calls[:-1], last))}
+    run = ReportedRun(weekday.line, replace(weekday.timetable, trains=trains), weekday.tables)
+    shown = {train["number"]: train for train in trains_shown(run)}
+    assert unpacked(shown["321M"]["pd"])[-1] is None
 
 
 def test_of_a_train_that_is_cut_what_came_is_shown_and_its_cancelled_calls_as_planned(
