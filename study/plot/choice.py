@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import polars as pl
 
 from network.errors import InputError
 from network.files.toml_input import one_of
-from network.model import Station
+from network.model import Direction, Station
 from network.station_names import station_id_of
 from network.timetable import seconds_of
 from study.measures.wait_text import at_time
@@ -71,6 +71,19 @@ class ChosenRun(ReportedRun):
         first = pl.min_horizontal(columns)
         last = pl.max_horizontal(columns)
         return frame.filter((last >= from_s) & (first < to_s))
+
+    def legs_by_direction(
+        self, rows: pl.DataFrame
+    ) -> list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]]:
+        """Of each direction that has any: its legs along the line, and its rows of a table of trains' legs."""
+        found: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
+        for direction in Direction:
+            goes = [self.directions.get(train) is direction for train in rows["train"]]
+            own = rows.filter(pl.Series(goes, dtype=pl.Boolean))
+            legs = set(own.select("from_station", "to_station").iter_rows())
+            if legs:
+                found.append((direction, sorted(legs, key=partial(self.along, direction)), own))
+        return found
 
     @property
     def station(self) -> Station | None:

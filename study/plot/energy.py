@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -86,18 +85,7 @@ def draw_energy_hours(run: ChosenRun) -> Figure | None:
 
 def draw_energy_legs(run: ChosenRun) -> Figure | None:
     """Net energy of each leg, a panel a direction: a dot a train, a bar at the mean."""
-    legs = run.chosen_rows(run.tables.energy_legs)
-    panels: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
-    for direction in Direction:
-        own = legs.filter(
-            pl.Series([run.directions.get(train) is direction for train in legs["train"]], dtype=pl.Boolean)
-        )
-        ends = sorted(
-            set(own.select("from_station", "to_station").iter_rows()),
-            key=partial(run.along, direction),
-        )
-        if ends:
-            panels.append((direction, ends, own))
+    panels = run.legs_by_direction(run.chosen_rows(run.tables.energy_legs))
     if not panels:
         return None
     figure = Figure(figsize=(WIDTH_IN, 3.4 * len(panels)), layout="constrained")
