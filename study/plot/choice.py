@@ -10,7 +10,7 @@ import polars as pl
 
 from network.errors import InputError
 from network.files.toml_input import one_of
-from network.model import Direction, Station
+from network.model import Direction, Line, Station
 from network.station_names import station_id_of
 from network.timetable import seconds_of
 from study.measures.wait_text import at_time
@@ -48,6 +48,12 @@ class ChosenRun(ReportedRun):
     def names(self) -> Names:
         """Names of stations by id."""
         return names_of(self.line)
+
+    @property
+    def named_line(self) -> Line:
+        """The line with its stations called as in the language chosen, and in no other."""
+        stations = {s.id: replace(s, name=self.name(s.id), name_ja="") for s in self.line.stations.values()}
+        return replace(self.line, stations=stations)
 
     def name(self, station_id: str) -> str:
         """What a station is called in the language chosen; a portal's section goes by its id."""

@@ -113,7 +113,7 @@ def _stop_errors(run: ChosenRun) -> Figure | None:
 def _delays(run: ChosenRun) -> Figure | None:
     from study.report.charts import draw_delays
 
-    return draw_delays(run, run.read.summary.get("latest_end_s"))
+    return draw_delays(replace(run, line=run.named_line), run.read.summary.get("latest_end_s"))
 
 
 _ALL: Final = frozenset({PlotOption.TRAIN, PlotOption.STATION, PlotOption.TIME})

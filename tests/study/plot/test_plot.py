@@ -112,13 +112,15 @@ def test_every_kind_is_written_the_same_each_time(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["first", "second"]
 
 
-def test_duties_name_places_in_the_language_chosen(read: RunRead) -> None:
+@pytest.mark.parametrize("name", ["duties", "delays"])
+def test_places_are_named_in_the_language_chosen(read: RunRead, name: str) -> None:
     station = read.line.stations[read.tables.stops["station"][-1]]
     names: dict[Language, str] = {"en": station.name, "ja": station.name_ja or station.name}
     for language, other in permutations(names):
         with drawing():
-            figure = figure_of(chosen_run(read, Choice(language=language)), kind_of("duties"))
-        texts = "\n".join(text.get_text() for axes in figure.axes for text in axes.texts)
+            figure = figure_of(chosen_run(read, Choice(language=language)), kind_of(name))
+        labels = [text for axes in figure.axes for text in (*axes.texts, *axes.get_xticklabels())]
+        texts = "\n".join(text.get_text() for text in labels)
         assert names[language] in texts
         assert names[other] == names[language] or names[other] not in texts
 
