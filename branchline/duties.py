@@ -87,7 +87,7 @@ def _print(line: Line, found: Sequence[SetDuty]) -> None:
 
 def _course(line: Line, duty: SetDuty) -> str:
     """One set's day in a line: places, minutes there, and trains."""
-    words = {"turn": "", "stabled": " stabled", "outside": " (beyond)"}
+    words = {"turn": "", "stabled": " stabled", "outside": " (beyond)", "cut short": " (cut short)"}
     parts: list[str] = []
     trains = {train.number: train for train in duty.trains}
     for gap in duty.gaps:

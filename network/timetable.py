@@ -113,6 +113,18 @@ class TimetableTrain:
     begins: Begin
     ends: End
 
+    @property
+    def due_calls(self) -> tuple[Call, ...]:
+        """Its calls without the times that it cannot keep: no arrival where it begins on the line, and no departure
+        where it ends there.
+        """
+        calls = list(self.calls)
+        if not isinstance(self.begins, AtPortal):
+            calls[0] = replace(calls[0], arrival_s=None)
+        if not isinstance(self.ends, AtPortal):
+            calls[-1] = replace(calls[-1], departure_s=None)
+        return tuple(calls)
+
 
 @dataclass(frozen=True, slots=True)
 class Diagram:

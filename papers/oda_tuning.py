@@ -108,7 +108,9 @@ class TunedTrain:
     held_out_m: Mapping[TunedBy, NDArray[np.float64]]
     ordinary: NDArray[np.bool_]  # of the stops of other days: neither rain nor a full train
     full_counted: int  # stops with a full train that were learned from nevertheless
-    settled_after: int  # counted stops until the mode was right and stayed so
+    settled_after: (
+        int  # counted stops until the mode was right and stayed so; more than it makes: it never was
+    )
 
     @property
     def by_approximation(self) -> Learned:
@@ -235,7 +237,7 @@ def tune(nominal: TrainType, seed: int, name: str) -> TunedTrain:
             plain = as_if_undisturbed(record)
             keeping = learned_after_stop(keeping, plain, approximate(plain, keeping.centre))
         if not is_right(by_approximation, hidden):
-            settled_after = by_approximation.stops + 1
+            settled_after = RUNS + 1 if index == RUNS - 1 else by_approximation.stops + 1
     learned = {
         TunedBy.NONE: new,
         TunedBy.MODE: by_approximation,

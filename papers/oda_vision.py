@@ -70,6 +70,7 @@ WRITTEN_PX: Final = 0.5
 # chi squared of 18 degrees of freedom (six places, three each) at 2.5 and 97.5 %: what so few trials leave open
 CHI2_18: Final = (8.231, 31.526)
 IMAGES: Final = 200
+TRIALS_SHARE: Final = 4  # one trial of table 2 for so many of them
 ANY_COLOUR: Final = SignColour((0.0, 360.0))
 SCENES: Final = 1000
 SCENES_QUICK: Final = 100
@@ -79,6 +80,7 @@ TRACK_MPS: Final = 4.0 / 3.6
 LIGHT_SCENARIO: Final = "karasuyama_stressed"  # wheels 1 % off, so that what is not seen shows in the stops
 LIGHT_PLACES_M: Final = (15.0, 69.0)
 REACH_LEAST_M: Final = 20.0  # Oda, 3.2.3: the least of its detection distances
+BLIND: Final = Light.RAIN_AT_DUSK  # where nothing is seen, and need not be
 FALSE_SHARE: Final = 0.05
 MODEL_PLACES_M: Final = (0.55, 1.05, 2.05)
 
@@ -197,7 +199,7 @@ def rows_seen(renderer: Renderer, distance_mm: int, seed: int) -> Floats:
     camera, window = renderer.camera, SIGN_QUARTER
     rng = generator(seed, "oda-vision", "table 2", str(distance_mm))
     seen: list[float] = []
-    for _ in range(IMAGES // 4):
+    for _ in range(IMAGES // TRIALS_SHARE):
         scene = Scene(PAPER_SIGN, distance_mm / 1000.0, lighting=lamplight(rng))
         shot = Shot(0.0, pitch_rad=float(rng.normal(0.0, camera.trial_rad)))
         cluster = largest_cluster(renderer.render(scene, shot, rng, window), window.left, window.top)
@@ -212,8 +214,9 @@ def table_2_rows(renderer: Renderer, seed: int) -> list[CaseRow]:
     rows: list[CaseRow] = []
     for distance_mm, paper_px in TABLE_2_PX.items():
         ours_px = round(float(offsets[distance_mm].mean()), 2)
-        close = abs(ours_px - paper_px) <= 1.0
-        rows.append(CaseRow(f"table 2: dy at {distance_mm} mm, px", paper_px, ours_px, close, "within 1 px"))
+        close = abs(ours_px - paper_px) <= 1.0 and offsets[distance_mm].size == IMAGES // TRIALS_SHARE
+        criterion = "within 1 px, found in every trial"
+        rows.append(CaseRow(f"table 2: dy at {distance_mm} mm, px", paper_px, ours_px, close, criterion))
     low_px, high_px = sigma_range_px()
     ours_px = pooled_sigma(list(sample) for sample in offsets.values())
     rows.append(
@@ -294,6 +297,7 @@ class CameraDay:
     """A day of the line with cameras in one kind of light: its stops (m past the mark), and whether nothing broke."""
 
     case: str
+    light: Light
     sightings: Sightings
     errors_m: Floats
     broken: tuple[str, ...]
@@ -306,7 +310,7 @@ def day_of(case: str, light: Light, seed: int, false_share: float = 0.0) -> Came
     run = execute(replace(scenario, setup=setup), PartyLink.SIMULATED, carrier=CarrierKind.PLAIN)
     errors = np.array([stop.error_m for stop in run.result.stops if stop.error_m is not None])
     outside = tuple(violation.text for violation in run.result.outside_design)
-    return CameraDay(case, line_sightings()[light], errors, (*run.broken, *outside))
+    return CameraDay(case, light, line_sightings()[light], errors, (*run.broken, *outside))
 
 
 def light_rows(days: Iterable[CameraDay]) -> list[CaseRow]:
@@ -316,15 +320,17 @@ def light_rows(days: Iterable[CameraDay]) -> list[CaseRow]:
         sights, away = day.sightings, np.abs(day.errors_m)
         near, far = (100.0 * float(sights.seen_share[PLACES_M.index(place_m)]) for place_m in LIGHT_PLACES_M)
         works, share = sights.reach_m >= REACH_LEAST_M, float(np.mean(away <= NEAR_M))
-        criterion = f"{100.0 * NEAR_SHARE:.0f} % of stops within {NEAR_M} m, nothing broken"
+        near_stops = f"{100.0 * NEAR_SHARE:.0f} % of stops within {NEAR_M} m"
         rows.append(
             CaseRow(
                 f"line, {day.case}: reach, m; frames that show a sign at 15 m, at 69 m, %; stops within {NEAR_M} m, %; "
                 "worst stop, m",
                 None,
                 f"{sights.reach_m:.0f}; {near:.0f}, {far:.0f}; {100.0 * share:.1f}; {away.max():.2f}",
-                not day.broken and (share >= NEAR_SHARE or not works),
-                criterion if works else "nothing broken: what is not seen costs the stop alone",
+                not day.broken and ((works and share >= NEAR_SHARE) or day.light is BLIND),
+                "nothing broken: what is not seen costs the stop alone"
+                if day.light is BLIND
+                else f"a reach of {REACH_LEAST_M:g} m, {near_stops}, nothing broken",
             )
         )
     return rows

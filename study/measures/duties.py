@@ -6,7 +6,7 @@ kilometrage from the first call to the last, without what a set runs beyond the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
 from itertools import pairwise
@@ -31,11 +31,15 @@ class GapKind(Enum):
     TURN = "turn"  # stands and goes on as the next train (折返し)
     STABLED = "stabled"  # stands before, after or between trains (留置)
     OUTSIDE = "outside"  # is on another line, beyond a portal
+    CUT_SHORT = "cut short"  # was last at a call here that was not its train's last
 
 
 @dataclass(frozen=True, slots=True)
 class DutyTrain:
-    """A train in a duty; times in s, `distance_m` along the kilometrage. `late_s` at its end, None as planned."""
+    """A train in a duty; times in s, `distance_m` along the kilometrage.
+
+    `late_s` at its end: None as planned, and where it did not come there (`cut_short`).
+    """
 
     number: str
     direction: str
@@ -48,6 +52,7 @@ class DutyTrain:
     planned_begins_s: int
     planned_ends_s: int
     late_s: int | None = None
+    cut_short: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +120,7 @@ def _duty(
 ) -> SetDuty:
     running = [ran[number] for number in diagram.train_numbers if number in ran]
     trains = tuple(_train(line, train, timetable.trains[train.number], planned=planned) for train in running)
-    gaps = tuple(_gaps(running))
+    gaps = tuple(_gaps(running, {train.number for train in trains if train.cut_short}))
     turns = [gap.length_s for gap in gaps if gap.kind == GapKind.TURN.value and gap.length_s is not None]
     return SetDuty(
         diagram.stock_id,
@@ -134,6 +139,7 @@ def _train(line: Line, train: TimetableTrain, plan: TimetableTrain, *, planned: 
     """One train: from its departure to its arrival."""
     first, last = train.calls[0], train.calls[-1]
     ends_m = [line.stations[call.station_id].position_m for call in (first, last)]
+    cut_short = last.station_id != plan.calls[-1].station_id
     return DutyTrain(
         train.number,
         "down" if train.direction is Direction.DOWN else "up",
@@ -145,12 +151,17 @@ def _train(line: Line, train: TimetableTrain, plan: TimetableTrain, *, planned: 
         abs(ends_m[1] - ends_m[0]),
         planned_begins_s=plan.calls[0].last_s,
         planned_ends_s=plan.calls[-1].first_s,
-        late_s=None if planned else last.first_s - plan.calls[-1].first_s,
+        late_s=None if planned or cut_short else last.first_s - plan.calls[-1].first_s,
+        cut_short=cut_short,
     )
 
 
-def _gaps(trains: list[TimetableTrain]) -> Iterable[DutyGap]:
+def _gaps(trains: list[TimetableTrain], cut_short: Collection[str]) -> Iterable[DutyGap]:
     """Before the first train, between each two, after the last one."""
+
+    def kind(train: TimetableTrain) -> str:
+        return GapKind.CUT_SHORT.value if train.number in cut_short else _kind(train.ends)
+
     if not trains:
         return
     first, last = trains[0], trains[-1]
@@ -160,16 +171,14 @@ def _gaps(trains: list[TimetableTrain]) -> Iterable[DutyGap]:
     for before, after in pairwise(trains):
         here = before.calls[-1]
         yield DutyGap(
-            _kind(before.ends),
+            kind(before),
             here.station_id,
             before.number,
             after.number,
             here.first_s,
             after.calls[0].last_s,
         )
-    yield DutyGap(
-        _kind(last.ends), last.calls[-1].station_id, last.number, None, last.calls[-1].first_s, None
-    )
+    yield DutyGap(kind(last), last.calls[-1].station_id, last.number, None, last.calls[-1].first_s, None)
 
 
 def _kind(how: Begin | End) -> str:

@@ -7,23 +7,36 @@ shown as figures, from here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Final
+import math
 
 import polars as pl
 
-from network.timetable import Call, CallKind, Timetable
+from network.timetable import Timetable
 from simulation.setup import latest_end_s
 
-_TIMES: Final = {
-    "train": pl.String,
-    "station": pl.String,
-    "kind": pl.String,
-    "what": pl.String,  # "arrival" or "departure"
-    "planned_s": pl.Float64,
-    "late_s": pl.Float64,
-    "came": pl.Boolean,
-}
+
+def missing_calls(stops: pl.DataFrame, timetable: Timetable, end_s: float = math.inf) -> pl.DataFrame:
+    """Rows of the table of stops for calls planned until `end_s` that have none, by set in the order of its trains."""
+    there = set(stops.select("train", "station").rows())
+    rows = [
+        {
+            "unit": diagram.stock_id,
+            "train": number,
+            "revenue": train.revenue,
+            "station": call.station_id,
+            "track": call.track,
+            "kind": call.kind.value,
+            "planned_arrival_s": None if call.arrival_s is None else float(call.arrival_s),
+            "planned_departure_s": None if call.departure_s is None else float(call.departure_s),
+            "cancelled": False,
+        }
+        for diagram in timetable.diagrams
+        for number in diagram.train_numbers
+        if (train := timetable.trains.get(number)) is not None
+        for call in train.due_calls
+        if (number, call.station_id) not in there and call.first_s <= end_s
+    ]
+    return pl.DataFrame(rows, schema=stops.schema)
 
 
 def planned_times(
@@ -35,9 +48,10 @@ def planned_times(
     last time came. What was planned for later than that is not missing. `revenue_only`: of what never came, that of
     trains with passengers alone.
     """
-    whats = ("arrival", "departure")
-    came = pl.concat(
-        stops.filter(pl.col(f"planned_{what}_s").is_not_null()).select(
+    missing = missing_calls(stops, timetable)
+    calls = pl.concat([stops, missing.filter("revenue") if revenue_only else missing])
+    times = pl.concat(
+        calls.filter(pl.col(f"planned_{what}_s").is_not_null()).select(
             "train",
             "station",
             "kind",
@@ -46,20 +60,19 @@ def planned_times(
             pl.col(f"late_{what}_s").alias("late_s"),
             (pl.col(f"late_{what}_s").is_not_null() & ~pl.col("cancelled")).alias("came"),
         )
-        for what in whats
+        for what in ("arrival", "departure")
     )
-    there = {
-        (train, station, what) for train, station, what in came.select("train", "station", "what").rows()
+    never_due = {
+        (number, call.station_id, what)
+        for number, train in timetable.trains.items()
+        for what, call, due_s in (
+            ("arrival", train.calls[0], train.due_calls[0].arrival_s),
+            ("departure", train.calls[-1], train.due_calls[-1].departure_s),
+        )
+        if due_s is None
     }
-    trains = [train for train in timetable.trains.values() if train.revenue or not revenue_only]
-    missing = [
-        (train.number, call.station_id, call.kind.value, what, planned_s, None, False)
-        for train in trains
-        for index, call in enumerate(train.calls)
-        for what, planned_s in _planned(call, first=index == 0)
-        if (train.number, call.station_id, what) not in there
-    ]
-    times = pl.concat([came, pl.DataFrame(missing, schema=_TIMES, orient="row")])
+    asked = [key not in never_due for key in times.select("train", "station", "what").rows()]
+    times = times.filter(pl.Series(asked, dtype=pl.Boolean))
     if end_s is None:
         latest_s = times.select((pl.col("planned_s") + pl.col("late_s")).max()).item()
         end_s = max(latest_end_s(timetable) if timetable.trains else 0.0, latest_s or 0.0)
@@ -67,10 +80,3 @@ def planned_times(
         pl.col("came") | (pl.col("planned_s") <= end_s)
     )  # what is cancelled has its stated lateness
     return due.with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))
-
-
-def _planned(call: Call, *, first: bool) -> Iterator[tuple[str, float]]:
-    if not first and call.arrival_s is not None and call.kind is not CallKind.PASS:
-        yield "arrival", float(call.arrival_s)
-    if call.departure_s is not None:
-        yield "departure", float(call.departure_s)

@@ -6,6 +6,7 @@ Both are tables (polars), one row a fact, times in s since midnight, null where 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
@@ -13,6 +14,7 @@ import polars as pl
 
 from network.model import Line
 from network.timetable import FromTrain, Timetable, TimetableTrain
+from study.measures.missing import missing_calls
 
 TRACK_OCCUPATION: Final[Mapping[str, type[pl.DataType]]] = {
     "station": pl.String,
@@ -52,22 +54,30 @@ def track_occupation(
 
     A stock that ends as one train and begins as the next in the same place has one row, from the arrival of the one to
     the departure of the other. `stops` and `waits` are tables of a run; the latter tells when stock stood here that no
-    call says (stabled, or before it goes on by a portal), else that is null.
+    call says (stabled, broken down, or before it goes on by a portal), else that is null.
     """
     stands = {} if waits is None else _stands(waits)
+    stops = pl.concat([stops, missing_calls(stops, timetable)])
     rows = [_stay(stay, stands.get(stay[0]["unit"], [])) for stay in _stays(stops, timetable)]
-    frame = pl.DataFrame(rows, schema=TRACK_OCCUPATION, orient="row")
+    only = {
+        station.id: station.tracks[0].name for station in line.stations.values() if len(station.tracks) == 1
+    }
+    frame = pl.DataFrame(rows, schema=TRACK_OCCUPATION, orient="row").with_columns(
+        pl.coalesce("track", pl.col("station").replace_strict(only, default=None, return_dtype=pl.String))
+    )
     known_s = pl.coalesce("planned_from_s", "from_s", "planned_to_s", "to_s")
     return _along(frame, line).sort("at", "track", known_s, maintain_order=True).drop("at")
 
 
-def station_timetable(stops: pl.DataFrame, line: Line, timetable: Timetable) -> pl.DataFrame:
+def station_timetable(
+    stops: pl.DataFrame, line: Line, timetable: Timetable, end_s: float = math.inf
+) -> pl.DataFrame:
     """STATION_TIMETABLE: one row a call; by station along the line, direction (down first) and planned time.
 
-    `stops` is the table of a run.
+    `stops` is the table of a run; calls that nobody came to have no times as run, those planned after `end_s` no row.
     """
     rows: list[dict[str, Any]] = []
-    for row in stops.iter_rows(named=True):
+    for row in pl.concat([stops, missing_calls(stops, timetable, end_s)]).iter_rows(named=True):
         train = timetable.trains.get(row["train"])
         if train is None:
             continue
@@ -76,6 +86,8 @@ def station_timetable(stops: pl.DataFrame, line: Line, timetable: Timetable) -> 
             "origin": train.calls[0].station_id,
             "destination": train.calls[-1].station_id,
         }
+        if row["station"] == own["destination"] and train.due_calls[-1].departure_s is None:
+            row["planned_departure_s"] = None
         rows.append({name: own.get(name, row.get(name)) for name in STATION_TIMETABLE})
     frame = pl.DataFrame(rows, schema=STATION_TIMETABLE, orient="row")
     due_s = pl.coalesce("planned_departure_s", "planned_arrival_s", "departure_s", "arrival_s")

@@ -45,17 +45,18 @@ def battery_table(run: ChosenRun) -> pl.DataFrame:
 
 def draw_battery(run: ChosenRun) -> Figure | None:
     """A panel a set: percent of charge over the time of the day. None: no set ran on a battery."""
-    table = battery_table(run)
+    table, rows = battery_table(run), run.tables.battery
     if table.is_empty():
         return None
-    units = sorted(table["unit"].unique())
-    from_s, to_s = float(table["t_s"].min()), float(table["t_s"].max())  # type: ignore[arg-type]
+    units = sorted(rows["unit"].unique())
+    whole_s = float(rows["t_s"].min()), float(rows["t_s"].max())  # type: ignore[arg-type]
+    from_s, to_s = whole_s if run.choice.from_s is None and run.choice.to_s is None else run.window_s
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(units) + 0.8), layout="constrained")
     panels = figure.subplots(len(units), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    for i, (axes, unit) in enumerate(zip(panels, units, strict=True)):
-        _panel(axes, run, unit, table.filter(pl.col("unit") == unit), UNIT_COLOURS[i % len(UNIT_COLOURS)])
     bottom: Axes = panels[-1]
     bottom.set_xlim(from_s, max(to_s, from_s + 60.0))
+    for i, (axes, unit) in enumerate(zip(panels, units, strict=True)):
+        _panel(axes, run, unit, rows.filter(pl.col("unit") == unit), UNIT_COLOURS[i % len(UNIT_COLOURS)])
     bottom.xaxis.set_major_locator(MultipleLocator(HOUR_S if to_s - from_s > 2 * HOUR_S else HOUR_S / 6))
     bottom.xaxis.set_major_formatter(FuncFormatter(_clock))
     bottom.set_xlabel("time")
@@ -86,11 +87,22 @@ def _panel(axes: Axes, run: ChosenRun, unit: str, rows: pl.DataFrame, colour: st
     axes.axhline(low, color=RED, lw=0.9)
     axes.axhline(kept, color=RED, lw=0.9, ls=(0, (5, 3)))
     axes.plot(times_s, soc, color=colour, lw=1.4)
-    at = int(np.argmin(soc))
+    _numbers(axes, run, unit)
+    axes.set_ylim(0, 112)
+    axes.set_yticks([0, 20, 40, 60, 80, 100])
+    axes.set_ylabel(f"{unit}\ncharge, %")
+    axes.grid(axis="both")
+    axes.tick_params(length=0)
+    axes.spines[:].set_color(RULE)
+    from_s, to_s = axes.get_xlim()
+    shown = (times_s >= from_s) & (times_s <= to_s)
+    if not shown.any():
+        return
+    at = int(np.argmin(np.where(shown, soc, np.inf)))
     lowest = rows.row(at, named=True)
     dots(axes, times_s[at], soc[at], "v", 5, colour)
     # Towards the middle of the panel, so that it stays inside.
-    right = times_s[at] > 0.5 * (times_s[0] + times_s[-1])
+    right = times_s[at] > 0.5 * (from_s + to_s)
     beside(
         axes,
         f"{lowest['train']}: {soc[at]:.0f} %, {lowest['above_low_kwh']:.0f} kWh left to use",
@@ -99,13 +111,6 @@ def _panel(axes: Axes, run: ChosenRun, unit: str, rows: pl.DataFrame, colour: st
         7,
         bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.6},
     )
-    _numbers(axes, run, unit)
-    axes.set_ylim(0, 112)
-    axes.set_yticks([0, 20, 40, 60, 80, 100])
-    axes.set_ylabel(f"{unit}\ncharge, %")
-    axes.grid(axis="both")
-    axes.tick_params(length=0)
-    axes.spines[:].set_color(RULE)
 
 
 def _off_line(rows: pl.DataFrame) -> list[tuple[float, float]]:

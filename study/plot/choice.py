@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import polars as pl
 
 from network.errors import InputError
 from network.files.toml_input import one_of
-from network.model import Station
+from network.model import Direction, Line, Station
 from network.station_names import station_id_of
 from network.timetable import seconds_of
 from study.measures.wait_text import at_time
@@ -49,6 +49,12 @@ class ChosenRun(ReportedRun):
         """Names of stations by id."""
         return names_of(self.line)
 
+    @property
+    def named_line(self) -> Line:
+        """The line with its stations called as in the language chosen, and in no other."""
+        stations = {s.id: replace(s, name=self.name(s.id), name_ja="") for s in self.line.stations.values()}
+        return replace(self.line, stations=stations)
+
     def name(self, station_id: str) -> str:
         """What a station is called in the language chosen; a portal's section goes by its id."""
         known = self.names.get(station_id)
@@ -71,6 +77,19 @@ class ChosenRun(ReportedRun):
         first = pl.min_horizontal(columns)
         last = pl.max_horizontal(columns)
         return frame.filter((last >= from_s) & (first < to_s))
+
+    def legs_by_direction(
+        self, rows: pl.DataFrame
+    ) -> list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]]:
+        """Of each direction that has any: its legs along the line, and its rows of a table of trains' legs."""
+        found: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
+        for direction in Direction:
+            goes = [self.directions.get(train) is direction for train in rows["train"]]
+            own = rows.filter(pl.Series(goes, dtype=pl.Boolean))
+            legs = set(own.select("from_station", "to_station").iter_rows())
+            if legs:
+                found.append((direction, sorted(legs, key=partial(self.along, direction)), own))
+        return found
 
     @property
     def station(self) -> Station | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Final
 
 import polars as pl
@@ -149,5 +148,4 @@ def duties_table(run: ChosenRun) -> pl.DataFrame:
 
 def draw_duties(run: ChosenRun) -> Figure | None:
     """The duty graph of the day as it was, with stations in the language chosen."""
-    stations = {s.id: replace(s, name=run.name(s.id)) for s in run.line.stations.values()}
-    return draw_duty_graph(replace(run.line, stations=stations), _duties(run))
+    return draw_duty_graph(run.named_line, _duties(run))

@@ -85,21 +85,7 @@ def draw_energy_hours(run: ChosenRun) -> Figure | None:
 
 def draw_energy_legs(run: ChosenRun) -> Figure | None:
     """Net energy of each leg, a panel a direction: a dot a train, a bar at the mean."""
-    legs = run.chosen_rows(run.tables.energy_legs)
-    panels: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
-    at_m = {station.id: station.position_m for station in run.stations}
-    for direction in Direction:
-        own = legs.filter(
-            pl.Series([run.directions.get(train) is direction for train in legs["train"]], dtype=pl.Boolean)
-        )
-        ends = sorted(
-            set(own.select("from_station", "to_station").iter_rows()),
-            key=lambda leg: (
-                direction * at_m[leg[1]] if leg[1] in at_m else direction * at_m.get(leg[0], 0.0) + 1.0
-            ),
-        )
-        if ends:
-            panels.append((direction, ends, own))
+    panels = run.legs_by_direction(run.chosen_rows(run.tables.energy_legs))
     if not panels:
         return None
     figure = Figure(figsize=(WIDTH_IN, 3.4 * len(panels)), layout="constrained")

@@ -28,25 +28,11 @@ _COLOURS: Final = {
 
 def draw_energy_parts(run: ChosenRun) -> Figure | None:
     """The parts of each leg's net energy, the mean of its trains, stacked; a panel a direction, the net as a dot."""
-    directions = pl.Series(
-        "direction", [int(run.directions[train]) for train in run.tables.energy_legs["train"]]
-    )
-    legs = run.chosen_rows(run.tables.energy_legs.with_columns(directions))
-    at_m = {station.id: station.position_m for station in run.stations}
     panels: list[tuple[Direction, list[dict[str, float | str]]]] = []
-    for direction in Direction:
-        means = (
-            legs.filter(pl.col("direction") == int(direction))
-            .group_by("from_station", "to_station")
-            .agg(pl.col("net_kwh", *_COLOURS).mean())
-        )
-
-        def along(row: dict[str, float | str], direction: Direction = direction) -> float:
-            outside = -direction * float("inf") if row["to_station"] in at_m else direction * float("inf")
-            return direction * at_m.get(str(row["from_station"]), outside)
-
-        if means.height:
-            panels.append((direction, sorted(means.to_dicts(), key=along)))
+    for direction, ends, own in run.legs_by_direction(run.chosen_rows(run.tables.energy_legs)):
+        means = own.group_by("from_station", "to_station").agg(pl.col("net_kwh", *_COLOURS).mean())
+        rows_of = {(row["from_station"], row["to_station"]): row for row in means.to_dicts()}
+        panels.append((direction, [rows_of[leg] for leg in ends]))
     if not panels:
         return None
     figure = Figure(figsize=(WIDTH_IN, 3.6 * len(panels)), layout="constrained")

@@ -110,6 +110,12 @@ def _stop_errors(run: ChosenRun) -> Figure | None:
     return draw_stop_errors(run, run.read.summary)
 
 
+def _delays(run: ChosenRun) -> Figure | None:
+    from study.report.charts import draw_delays
+
+    return draw_delays(replace(run, line=run.named_line), run.read.summary.get("latest_end_s"))
+
+
 _ALL: Final = frozenset({PlotOption.TRAIN, PlotOption.STATION, PlotOption.TIME})
 _TIME: Final = frozenset({PlotOption.TIME})
 _TRAIN: Final = frozenset({PlotOption.TRAIN})
@@ -147,9 +153,9 @@ _KINDS: Final = (
     ),
     PlotKind(
         "delays",
-        phrase("Lateness of every call, s"),
+        phrase("Lateness of every call, s; –: it did not come"),
         _times_of_stops,
-        _drawn_by("report.charts", "draw_delays"),
+        _delays,
     ),
     PlotKind(
         "waits",

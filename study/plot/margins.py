@@ -14,19 +14,7 @@ from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, WIDTH_IN, dots
 
 def draw_margins(run: ChosenRun) -> Figure | None:
     """A panel a direction, a column a hop: the margin of every train as planned, and what was left on its arrival."""
-    table = run.chosen_rows(run.tables.margins)
-    at_m = {station.id: station.position_m for station in run.stations}
-    panels: list[tuple[Direction, list[tuple[str, str]], pl.DataFrame]] = []
-    for direction in Direction:
-        own = table.filter(
-            pl.Series([run.directions.get(train) is direction for train in table["train"]], dtype=pl.Boolean)
-        )
-        hops = sorted(
-            set(own.select("from_station", "to_station").iter_rows()),
-            key=lambda hop: [direction * at_m[place] for place in hop],
-        )
-        if hops:
-            panels.append((direction, hops, own))
+    panels = run.legs_by_direction(run.chosen_rows(run.tables.margins))
     if not panels:
         return None
     figure = Figure(figsize=(WIDTH_IN, 3.2 * len(panels) + 0.2), layout="constrained")

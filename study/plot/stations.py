@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -69,7 +70,7 @@ def draw_occupation(run: ChosenRun) -> Figure | None:
     row_in = TALL_ROW_IN if alone else ROW_IN
     bands, grid = time_bands(*run.window_s)
     units = sorted(table["unit"].unique())
-    colours = unit_colours(units)
+    colours = unit_colours(list(run.units))
     figure = Figure(figsize=(WIDTH_IN, len(bands) * (row_in * len(rows) + 0.55) + 0.75), layout="constrained")
     for axes, band in zip(figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands, strict=True):
         draw_clock_axis(axes, band, grid)
@@ -155,7 +156,8 @@ def _number(
 
 def timetable_table(run: ChosenRun) -> pl.DataFrame:
     """Station timetable of the choice."""
-    rows = run.chosen_rows(station_timetable(run.tables.stops, run.line, run.timetable))
+    end_s = run.read.summary.get("latest_end_s") or math.inf
+    rows = run.chosen_rows(station_timetable(run.tables.stops, run.line, run.timetable, end_s))
     return run.rows_in_window(rows, "planned_departure_s", "planned_arrival_s", "departure_s", "arrival_s")
 
 

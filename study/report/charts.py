@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from network.model import Direction
+from study.measures.missing import planned_times
 from study.report.data import ReportedRun
 from study.report.graph import station_label
 from study.report.pictures import ENERGY, STOP_ERRORS
@@ -134,7 +135,7 @@ def _draw_strips(axes: Axes, run: ReportedRun, stops: pl.DataFrame) -> None:
 
 @dataclass(frozen=True, slots=True)
 class CallLateness:
-    """Lateness at one call, s: on arrival and on departure; None where it had no plan or did not come."""
+    """Lateness at one call, s: on arrival and on departure; None without a plan, infinite where it did not come."""
 
     arrival_s: float | None
     departure_s: float | None
@@ -151,25 +152,30 @@ class CallLateness:
         return f"{_in_words(self.arrival_s)}/{_in_words(self.departure_s)}"
 
 
-def draw_delays(run: ReportedRun) -> Figure | None:
-    """Lateness in s, a row a train and a column a station: arrival/departure, in the colour of the worse of both."""
+def draw_delays(run: ReportedRun, end_s: float | None = None) -> Figure | None:
+    """Lateness in s, a row a train and a column a station: arrival/departure, in the colour of the worse of both.
+
+    `end_s`: what was planned for later, s, is not missing; see `study.measures.missing`.
+    """
     groups = [
         (direction, [t for t in run.trains if run.directions[t] == direction]) for direction in Direction
     ]
     groups = [(direction, trains) for direction, trains in groups if trains]
     if not groups:
         return None
-    late = {
-        (train, station): CallLateness(arrival_s, departure_s)
-        for train, station, arrival_s, departure_s in run.tables.stops.group_by("train", "station")
-        .agg(pl.col("late_arrival_s", "late_departure_s").drop_nulls().first())
-        .iter_rows()
-    }
+    late: dict[tuple[str, str], dict[str, float]] = {}
+    times = planned_times(run.tables.stops, run.timetable, end_s)
+    for train, station, what, late_s, came in times.select(
+        "train", "station", "what", "late_s", "came"
+    ).iter_rows():
+        found = late.setdefault((train, station), {})
+        found[what] = min(found.get(what, math.inf), late_s if came else math.inf)
+    cells = {key: CallLateness(found.get("arrival"), found.get("departure")) for key, found in late.items()}
     height_in = 0.75 + 0.19 * max(len(trains) for _, trains in groups)
     figure = Figure(figsize=(WIDTH_IN, max(height_in, 1.6)), layout="constrained")
     panels = figure.subplots(1, 2, squeeze=False)[0]
     for axes, (direction, trains) in zip(panels, groups, strict=False):
-        _draw_heat_map(axes, run, direction, trains, late)
+        _draw_heat_map(axes, run, direction, trains, cells)
     for axes in panels[len(groups) :]:
         axes.set_axis_off()
     return figure
@@ -186,7 +192,7 @@ def _draw_heat_map(
     never = CallLateness(None, None)
     cells = [[late.get((train, station.id), never) for station in stations] for train in trains]
     values_s = np.array(
-        [[np.nan if cell.worse_s is None else cell.worse_s for cell in row] for row in cells]
+        [[np.nan if cell.worse_s is None else min(cell.worse_s, _LATE_S) for cell in row] for row in cells]
     ).reshape(len(trains), len(stations))
     edges_x, edges_y = np.arange(len(stations) + 1) - 0.5, np.arange(len(trains) + 1) - 0.5
     axes.pcolormesh(
@@ -205,7 +211,7 @@ def _draw_heat_map(
         for column, cell in enumerate(several):
             if cell.worse_s is None:
                 continue
-            too_early = cell.departure_s is not None and round(cell.departure_s) < 0
+            too_early = cell.departure_s is not None and cell.departure_s < -0.5
             colour = "white" if cell.worse_s > 0.8 * _LATE_S else RED if too_early else INK
             axes.text(column, row, cell.text(), ha="center", va="center", fontsize=size_pt, color=colour)
     axes.set_ylim(len(trains) - 0.5, -0.5)
@@ -222,9 +228,11 @@ def _draw_heat_map(
 
 
 def _in_words(value_s: float | None) -> str:
-    """+42 in s; from ten minutes on in whole minutes; nothing where there is nothing."""
+    """+42 in s; from ten minutes on in whole minutes; nothing where there is nothing, – where it did not come."""
     if value_s is None:
         return ""
+    if math.isinf(value_s):
+        return "–"
     rounded = round(value_s)
     text = f"{rounded / 60:+.0f} min" if abs(rounded) >= 600 else "0" if rounded == 0 else f"{rounded:+d}"
     return text.replace("-", "−")

@@ -148,7 +148,7 @@ def _train(run: ReportedRun, number: str, went: list[dict[str, Any]], unit: str 
     planned = run.timetable.trains.get(number)
     rows: list[tuple[Any, ...]] = []
     ahead = list(went)
-    for call in planned.calls if planned else ():
+    for call in planned.due_calls if planned else ():
         found = next((i for i, row in enumerate(ahead) if row["station"] == call.station_id), None)
         row: dict[str, Any] = {} if found is None else ahead.pop(found)
         track = row.get("track") or call.track

@@ -67,6 +67,11 @@ class ReportedRun:
         """Stations and halts by kilometrage."""
         return tuple(sorted(self.line.stations.values(), key=lambda station: station.position_m))
 
+    def along(self, direction: Direction, leg: tuple[str, str]) -> tuple[float, float, tuple[str, str]]:
+        """Where a leg stands among those of a direction: by both ends, from outside first, out of the line last."""
+        at_m = {station.id: direction * station.position_m for station in self.stations}
+        return at_m.get(leg[0], -np.inf), at_m.get(leg[1], np.inf), leg
+
     @cached_property
     def extent_m(self) -> tuple[float, float]:
         """Lowest and highest kilometrage of stations and stopping marks, m."""

@@ -24,11 +24,10 @@ def driving_tables(run: ReportedRun) -> tuple[Table, ...]:
         together.setdefault((hop.from_station, hop.to_station, hop.law), []).append(hop)
     if not together:
         return ()
-    order = {station.id: station.position_m for station in run.stations}
 
-    def place(hops: list[DrivenHop]) -> tuple[int, float]:
-        direction = int(run.directions[hops[0].train])
-        return -direction, direction * order.get(hops[0].from_station, -direction * float("inf"))
+    def place(hops: list[DrivenHop]) -> tuple[int, object]:
+        direction = run.directions[hops[0].train]
+        return -int(direction), run.along(direction, (hops[0].from_station, hops[0].to_station))
 
     rows = [_row(run.tables, hops) for hops in sorted(together.values(), key=place)]
     return (

@@ -88,7 +88,8 @@ def draw_duties(line: Line, duties: Sequence[SetDuty]) -> Figure | None:
             for gap in duty.gaps:
                 _draw_gap(axes, i, gap, band)
     panels[0].set_title(
-        _KEY if all(t.late_s is None for d in duties for t in d.trains) else _KEY_AS_RUN, pad=18
+        _KEY if all(t.late_s is None and not t.cut_short for d in duties for t in d.trains) else _KEY_AS_RUN,
+        pad=18,
     )
     laid_out(figure)  # texts are placed on the screen
     for axes, band in zip(panels, bands, strict=True):
@@ -136,7 +137,7 @@ def _draw_train(axes: Axes, row: int, train: DutyTrain) -> None:
             zorder=3,
         )
     )
-    if train.late_s is not None:
+    if train.late_s is not None or train.cut_short:
         axes.plot(
             [train.planned_begins_s, train.planned_ends_s], [row + top] * 2, color=INK, lw=1.6, zorder=4
         )

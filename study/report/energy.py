@@ -202,12 +202,10 @@ def _summed_by_leg(run: ReportedRun) -> list[dict[str, Any]]:
         .with_columns((pl.col("net_kwh") / pl.col("distance_km")).alias("net_per_km"))
         .iter_rows(named=True)
     )
-    order = {station.id: station.position_m for station in run.stations}
 
-    def place(row: Mapping[str, Any]) -> tuple[int, float]:
+    def place(row: Mapping[str, Any]) -> tuple[int, object]:
         direction = run.directions[row["train"]]
-        at_m = order.get(row["from_station"], -direction * float("inf"))
-        return -int(direction), direction * at_m
+        return -int(direction), run.along(direction, (row["from_station"], row["to_station"]))
 
     return sorted(sums, key=place)
 

@@ -77,7 +77,7 @@ _OCCUPATION: Final = {
 
 def _occupation(run: ReportedRun) -> Table:
     """Stays at the tracks of the stations, planned and as run."""
-    stays = track_occupation(run.tables.stops, run.line, run.timetable)
+    stays = track_occupation(run.tables.stops, run.line, run.timetable, run.tables.waits)
     return table_of("occupation", phrase("Every stay at a track"), stays.to_dicts(), _OCCUPATION)
 
 

@@ -18,7 +18,7 @@ from papers.mochizuki_patterns import (
     spacing_for,
     told_at,
 )
-from papers.mochizuki_speed import CASES, OVER, cases_of, over_row, reproduce, settled_at, settles_m
+from papers.mochizuki_speed import CASES, OVER, cases_of, over_row, reproduce, rows_of, settled_at, settles_m
 from papers.reproduction import CaseRow, Options
 from vehicle.compiled import INTERPRETED
 
@@ -84,6 +84,16 @@ def test_the_tram_of_the_second_passage_slows_from_12_8_to_9_6() -> None:
 def test_without_what_the_method_rests_on_rows_fail(name: str) -> None:
     rows, _found = cases_of(4, 1, USES[name])
     assert failed(rows)
+
+
+def test_passages_that_never_settle_are_not_left_out() -> None:
+    """A third of a case's passages never settles; of the others every figure is the paper's."""
+    _, found = cases_of(6, 1, None)
+    case = found[0].case
+    settled = replace(found[0], settles_m=np.full(6, case.settles_m), over_kmh=np.full(6, case.over_kmh))
+    assert failed(rows_of(settled)) == []
+    settled.settles_m[:2] = settled.over_kmh[:2] = np.nan
+    assert failed(rows_of(settled)) == [f"{case.name}: settles after, m", OVER.format(case.name)]
 
 
 def test_what_never_settles_has_no_distance() -> None:

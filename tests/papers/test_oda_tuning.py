@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from onboard.driving.tuning import OFFSET_STEP_MPS2, Learned
+from papers import oda_tuning
 from papers.oda_tuning import (
     FULL_SHARE,
     PATTERN_MPS2,
@@ -54,6 +55,11 @@ def test_the_delay_of_a_lag_in_steps_is_the_area_over_its_response() -> None:
     lag_s, step_s = 0.25, 0.1
     area_s = sum(step_s * math.exp(-k * step_s / lag_s) for k in range(1, 200))
     assert HiddenBrake(0.8, lag_s, 0.0).delay_s == pytest.approx(0.8 + area_s)
+
+
+def test_a_train_that_learns_from_no_stop_is_never_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(oda_tuning, "learned_after_stop", lambda learned, *_: learned)
+    assert tune(oda_train(), 3, "train 1").settled_after > RUNS
 
 
 def test_a_train_learns_for_itself_and_stops_better_on_days_that_it_has_not_seen() -> None:

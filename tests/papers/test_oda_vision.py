@@ -2,7 +2,7 @@
 
 import colorsys
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,8 @@ from papers.oda_vision import (
     TABLE_2_PX,
     TABLE_3_MM,
     TRIALS_PX,
+    CameraDay,
+    light_rows,
     pooled_sigma,
     random_board,
     random_scene,
@@ -32,7 +34,10 @@ from simulation.sensors.camera import (
     CameraModel,
     Renderer,
 )
+from simulation.sensors.camera_surroundings import Floats
+from simulation.sensors.line_sightings import PLACES_M, Sightings
 from simulation.sensors.sighting_model import record_table
+from simulation.settings import Light
 from tests.nightly import others_nightly
 
 
@@ -99,6 +104,27 @@ def test_another_scatter_is_not_the_papers(
 ) -> None:
     """Two-sided: in the rows as the paper writes them, and in every distance through the table."""
     assert len(scatter_of(SWITCHES[name], table, monkeypatch)) == 1 + len(TABLE_3_MM)
+
+
+def test_a_light_in_which_nothing_is_seen_is_met_by_rain_at_dusk_alone() -> None:
+    nothing = Sightings(*(np.zeros(len(PLACES_M)) for _ in fields(Sightings)))
+    days = [CameraDay("blind", light, nothing, np.full(100, 3.0), ()) for light in Light]
+    assert [day.light for day, row in zip(days, light_rows(days), strict=True) if row.passed] == [
+        Light.RAIN_AT_DUSK
+    ]
+
+
+def test_a_sign_that_is_not_found_in_every_trial_has_no_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the pictures at a place show it, at the paper's own row: the paper found it in all of its trials."""
+    place = min(TABLE_2_PX)
+
+    def rows_seen(_renderer: Renderer, distance_mm: int, _seed: int) -> Floats:
+        count = oda_vision.IMAGES // (8 if distance_mm == place else 4)
+        return np.resize(np.array(TRIALS_PX[distance_mm]), count)
+
+    monkeypatch.setattr(oda_vision, "rows_seen", rows_seen)
+    cases = failed(table_2_rows(Renderer(PAPER_CAMERA, 3), 3))
+    assert cases == [f"table 2: dy at {place} mm, px"]
 
 
 def test_what_24_trials_say_of_the_scatter() -> None:

@@ -9,7 +9,16 @@ import pytest
 from onboard.localisation.places import Places
 from papers.charts import write_figure
 from papers.position_cases import CASES, LATER_S, PositionCase
-from papers.position_operations import BASE, Quantiles, SensorDay, day_of, draw_cases, reproduce, rows_of
+from papers.position_operations import (
+    BASE,
+    Quantiles,
+    SensorDay,
+    case_table,
+    day_of,
+    draw_cases,
+    reproduce,
+    rows_of,
+)
 from papers.reproduction import Options
 from scenario.scenario import load_scenario
 from simulation.settings import PositionSensor
@@ -47,13 +56,20 @@ def test_what_is_judged_can_fail() -> None:
     assert all(judged(tags, sound))
     late = replace(sound, releases_s={("1", "A"): 2.0 + LATER_S, ("1", "B"): 3.0 + LATER_S})
     early = replace(sound, releases_s={("1", "A"): -5.0, ("1", "B"): 2.0})
-    for worse in (late, early, replace(sound, broken=("within-bounds",)), replace(sound, trains_arrived=2)):
+    never = replace(sound, releases_s={("1", "A"): 1.0})
+    for worse in (
+        late,
+        early,
+        never,
+        replace(sound, broken=("within-bounds",)),
+        replace(sound, trains_arrived=2),
+    ):
         assert not all(judged(tags, worse))
 
 
 def test_a_picture_is_written(tmp_path: Path) -> None:
-    days = {case.name: a_day(case, {("1", "A"): 1.0}).as_dict() for case in CASES}
-    files = write_figure("days", lambda: draw_cases(days), tmp_path)
+    days = {case.name: a_day(case, {("1", "A"): 1.0}) for case in CASES}
+    files = write_figure("days", lambda: draw_cases(case_table(days)), tmp_path)
     assert [path.suffix for path in files] == [".svg", ".png"]
     assert all(path.stat().st_size > 10_000 for path in files)
 

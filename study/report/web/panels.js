@@ -199,13 +199,14 @@ export function punctualityPaper(host, context) {
     unit: words.say("share of calls, %"),
   }));
   tables(host, context, ["punctuality"], true);
-  heading(doc, host, words.say("Delays"), words.say("Seconds after plan, arrival/departure (minus: before it), in the colour of the worse of both; a departure before its time is red."));
+  heading(doc, host, words.say("Delays"), words.say("Seconds after plan, arrival/departure (minus: before it; –: it did not come), in the colour of the worse of both; a departure before its time is red."));
   for (const direction of [1, -1]) host.append(delays(doc, day, direction, context));
 }
 
-/** +42 in s; from ten minutes on in whole minutes; nothing where there is nothing. */
+/** +42 in s; from ten minutes on in whole minutes; nothing where there is nothing, – where it never came. */
 export function lateText(late, words) {
   if (Number.isNaN(late)) return "";
+  if (late === Infinity) return "–";
   const s = Math.round(late);
   const text = Math.abs(s) >= 600 ? `${s > 0 ? "+" : ""}${Math.round(s / 60)}${words.say("min")}` : s > 0 ? `+${s}` : String(s);
   return text.replace("-", "−");
@@ -221,7 +222,7 @@ function delays(doc, day, direction, context) {
     const head = element(doc, "tr", {}, element(doc, "th", {}, words.say("train")), ...stations.map((s) => element(doc, "th", {}, words.place(s))));
     const cell = (train, station) => {
       const call = train.calls.find((one) => one.station === station);
-      const { arrival, departure } = call ? papers.lateness(call) : { arrival: NaN, departure: NaN };
+      const { arrival, departure } = call ? papers.lateness(call, day.due) : { arrival: NaN, departure: NaN };
       const known = [arrival, departure].filter((s) => !Number.isNaN(s));
       if (!known.length) return element(doc, "td", {});
       const worse = Math.max(...known);

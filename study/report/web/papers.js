@@ -1,8 +1,11 @@
 // What the papers show, worked out from the day: occupation of tracks, departures, punctuality, stops. Pure functions.
 import { lastBefore, rowsOf, valueAt } from "./data.js";
 
-/** Lateness of a call on arrival and departure, s after plan; NaN where there is no plan or it did not come. */
-export const lateness = (call) => ({ arrival: call.a - call.pa, departure: call.d - call.pd });
+/** Lateness of a call on arrival and departure, s after plan: infinite where it was due and never came, NaN without a plan. */
+export function lateness(call, due = Infinity) {
+  const late = (planned, came) => (Number.isNaN(came) && planned <= due ? Infinity : came - planned);
+  return { arrival: late(call.pa, call.a), departure: late(call.pd, call.d) };
+}
 
 /** Classes of lateness, in order, and which one a number of seconds after plan falls into; null: it never came. */
 export const CLASSES = ["early by over 15 s", "within 15 s", "to 1 min late", "to 3 min late", "later", "did not come"];
@@ -54,7 +57,7 @@ export function departures(day, station, direction) {
   for (const train of day.trains.filter((t) => t.direction === direction)) {
     train.calls.forEach((call, i) => {
       if (call.station !== station || i === train.calls.length - 1) return;
-      const at = Number.isNaN(call.pd) ? call.d : call.pd;
+      const at = Number.isNaN(call.pd) ? Math.floor(call.d) : call.pd;
       if (Number.isNaN(at)) return;
       const hour = Math.floor(at / 3600);
       if (!hours.has(hour)) hours.set(hour, []);

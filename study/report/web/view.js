@@ -73,12 +73,12 @@ function bottom(group, gap, low, high) {
   return top(group, gap, low, high) + (group.count - 1) * gap;
 }
 
-/** HH:MM or HH:MM:SS; hours go on after 23 as in a Japanese timetable. */
+/** HH:MM or HH:MM:SS; hours go on after 23 as in a Japanese timetable, and what is before midnight has a minus. */
 export function clock(time, seconds = false) {
   if (time === null || Number.isNaN(time)) return "–";
-  const whole = Math.round(time);
+  const whole = Math.abs(Math.round(time));
   const two = (n) => String(n).padStart(2, "0");
-  const text = `${two(Math.floor(whole / 3600))}:${two(Math.floor(whole / 60) % 60)}`;
+  const text = `${Math.round(time) < 0 ? "-" : ""}${two(Math.floor(whole / 3600))}:${two(Math.floor(whole / 60) % 60)}`;
   return seconds ? `${text}:${two(whole % 60)}` : text;
 }
 

@@ -8,7 +8,7 @@ import pytest
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Line
-from network.timetable import Call, Timetable, load_timetable
+from network.timetable import Call, Stabled, Timetable, load_timetable
 from study.measures.duties import SetDuty, duties_of
 
 
@@ -77,6 +77,20 @@ def test_as_run_has_the_true_times_and_what_did_not_run() -> None:
     assert v3.turn_min_s == 17 * 60 - 90
     nothing = of(duties_of(line, timetable, []), "V1")
     assert (nothing.trains, nothing.gaps, nothing.distance_m, nothing.turn_min_s) == ((), (), 0, None)
+
+
+def test_a_train_that_does_not_come_to_its_end_is_not_early_there_and_its_set_is_not_stabled() -> None:
+    line, timetable = planned()
+    ran = [
+        replace(train, calls=train.calls[:3], ends=Stabled()) if train.number == "321M" else train
+        for train in timetable.trains.values()
+        if train.number != "324M"
+    ]
+    v2 = of(duties_of(line, timetable, ran), "V2")
+    assert (v2.trains[0].number, v2.trains[0].late_s, v2.trains[0].cut_short) == ("321M", None, True)
+    assert [train.cut_short for train in v2.trains[1:]] == [False] * (len(v2.trains) - 1)
+    after = next(gap for gap in v2.gaps if gap.after == "321M")
+    assert (after.kind, after.station_id) == ("cut short", timetable.trains["321M"].calls[2].station_id)
 
 
 def test_it_is_json() -> None:

@@ -95,7 +95,7 @@ def test_a_train_that_comes_in_by_a_portal_begins_a_stay_of_its_own(
     stops: pl.DataFrame, line: Line, timetable: Timetable
 ) -> None:
     around = pl.concat([stops[5:], stops[:1]])  # 2U ends at Hoshakuji and goes; its set comes back as 1D
-    found = track_occupation(around, line, timetable).to_dicts()
+    found = track_occupation(around, line, timetable).filter(pl.col("station") == "HSK").to_dicts()
     assert sorted((row["train"], row["next_train"]) for row in found) == [("1D", "1D"), ("2U", "2U")]
 
 
@@ -150,6 +150,43 @@ def test_the_station_timetable_has_every_call_with_where_it_goes(
     ]
     assert ogane[1]["planned_departure_s"] == H6 + 5 * 60
     assert ogane[1]["departure_s"] == H6 + 5 * 60 + 3
+
+
+def test_what_never_came_is_in_the_papers_of_a_station_as_it_was_planned(
+    stops: pl.DataFrame, line: Line, timetable: Timetable
+) -> None:
+    """1D comes to a stand beyond its second stop, and its set never runs as 2U."""
+    ogane = station_timetable(stops[:2], line, timetable).filter(pl.col("station") == "OGN")
+    assert ogane.select("train", "planned_arrival_s", "planned_departure_s", "departure_s").rows() == [
+        ("1D", H5 + 57 * 60, None, None),
+        ("2U", None, H6 + 5 * 60, None),
+    ]
+    stays = track_occupation(stops[:2], line, timetable).filter(pl.col("station") == "OGN")
+    assert stays.select(
+        "train", "next_train", "track", "planned_from_s", "planned_to_s", "from_s"
+    ).rows() == [("1D", "2U", "1", H5 + 57 * 60, H6 + 5 * 60, None)]
+    until_six = station_timetable(
+        stops[:2], line, timetable, H6
+    )  # what the run was too short for is not missing
+    assert until_six.filter(pl.col("station") == "OGN")["train"].to_list() == ["1D"]
+
+
+@pytest.mark.parametrize(("ends", "due"), [("stabled", 0), ("portal:HSK.MU", 1)])
+def test_nobody_waits_for_a_departure_where_a_train_ends_on_the_line(
+    stops: pl.DataFrame, line: Line, ends: str, due: int
+) -> None:
+    """Timetables of others have a departure at the last call too; whose set is stabled there has none to keep."""
+    text = TURN_BACK_TIMETABLE.replace('arrival = "06:26" }', 'arrival = "06:26", departure = "06:28" }')
+    timetable = parse_timetable(text.replace('ends = "stabled"', f'ends = "{ends}"'), "small.toml", line)
+    last = (pl.col("train") == "2U") & (pl.col("station") == "HSK")
+    given = stops.with_columns(
+        planned_departure_s=pl.when(last).then(H6 + 28 * 60).otherwise("planned_departure_s")
+    )
+    for table in (given, given[:4]):  # it came there, and it never ran
+        times = planned_times(table, timetable).filter(last, pl.col("what") == "departure")
+        assert len(times) == due
+        (row,) = station_timetable(table, line, timetable).filter(last).to_dicts()
+        assert (row["planned_departure_s"] is not None) is bool(due)
 
 
 def test_punctuality_by_station_by_hand(stops: pl.DataFrame, line: Line) -> None:

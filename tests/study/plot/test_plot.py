@@ -1,7 +1,7 @@
 """Every kind of plot of real runs, in both languages: written whole, the same each time, with no text cut."""
 
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, permutations, product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib as mpl
 import polars as pl
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -21,11 +22,13 @@ from study.plot.kinds import KINDS, PlotKind, PlotOption, kind_of
 from study.plot.words import plot_word
 from study.plot.write import default_name, figure_of, format_of, write_plot
 from study.record.read_back import RunRead, read_run
+from study.record.tables import ROWS, RunTables
 from study.record.wait import Cause
 from study.report.drawn import DPI, Format
 from study.report.style import drawing
 from study.runner.run import write_run
 from study.wording.catalogue import phrases_of
+from study.wording.phrase import Language
 from tests.nightly import others_nightly
 from tests.plain import run_on_plain
 
@@ -109,6 +112,47 @@ def test_every_kind_is_written_the_same_each_time(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["first", "second"]
 
 
+@pytest.mark.parametrize("name", ["duties", "delays"])
+def test_places_are_named_in_the_language_chosen(read: RunRead, name: str) -> None:
+    station = read.line.stations[read.tables.stops["station"][-1]]
+    names: dict[Language, str] = {"en": station.name, "ja": station.name_ja or station.name}
+    for language, other in permutations(names):
+        with drawing():
+            figure = figure_of(chosen_run(read, Choice(language=language)), kind_of(name))
+        labels = [text for axes in figure.axes for text in (*axes.texts, *axes.get_xticklabels())]
+        texts = "\n".join(text.get_text() for text in labels)
+        assert names[language] in texts
+        assert names[other] in names[language] or names[other] not in texts
+
+
+@pytest.mark.parametrize("name", ["energy-leg", "energy-parts", "margins"])
+def test_legs_that_begin_or_end_together_stand_in_one_order(read: RunRead, name: str) -> None:
+    """An express beside trains that call everywhere: the first leg from a station, and to it, is the shorter one."""
+    if read.settings.id != "karasuyama_round_trip":
+        pytest.skip("one train between two stations")
+    table = "margins" if name == "margins" else "energy_legs"
+    rows = getattr(read.tables, table)
+    ends = next(
+        (a, b, c)
+        for (a, b), (_, c) in pairwise(
+            rows.filter(pl.col("train") == read.timetable.diagrams[0].train_numbers[0])
+            .select("from_station", "to_station")
+            .rows()
+        )
+        if all(end in read.line.stations for end in (a, b, c))
+    )
+    express = rows.filter(pl.col("from_station") == ends[0], pl.col("to_station") == ends[1])[:1]
+    more = pl.concat([express.with_columns(pl.lit(ends[2]).alias("to_station")), rows])
+    changed = replace(read, tables=RunTables(**{n: getattr(read.tables, n) for n in ROWS} | {table: more}))
+    legs = ["\n".join(read.line.stations[end].name for end in leg) for leg in pairwise(ends)]
+    wanted = [legs[0], "\n".join(read.line.stations[end].name for end in ends[::2]), legs[1]]
+    for _ in range(20):
+        with drawing():
+            figure = figure_of(chosen_run(changed, Choice()), kind_of(name))
+        shown = [label.get_text() for axes in figure.axes for label in axes.get_xticklabels()]
+        assert [label for label in shown if label in wanted] == wanted
+
+
 def cut_texts(figure: Figure) -> list[str]:
     """Texts that reach beyond the picture, in its own dots; half a dot is the edge of a letter."""
     figure.dpi = DPI
@@ -179,6 +223,40 @@ def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
         axes = figure_of(run, kind_of("train-graph")).axes[0]
     low, high = axes.get_xlim()
     assert (low, high) == (6 * 3600.0, 6.5 * 3600.0)
+
+
+def colours_of(figure: Figure) -> dict[str, str]:
+    """Of each set, by the legend, or by the line of its panel."""
+    found = {
+        axes.get_ylabel().split("\n")[0]: str(axes.lines[2].get_color())
+        for axes in figure.axes
+        if "charge" in axes.get_ylabel()
+    }
+    for legend in figure.legends if not found else ():
+        patches, texts = legend.get_patches(), legend.get_texts()
+        found |= {
+            text.get_text(): to_hex(patch.get_facecolor()) for patch, text in zip(patches, texts, strict=True)
+        }
+    return found
+
+
+@pytest.mark.parametrize("name", ["track-occupation", "battery"])
+def test_a_set_keeps_its_colour_whatever_is_chosen(read: RunRead, name: str) -> None:
+    """The first set has left the line when the second one turns."""
+    if read.settings.id != "karasuyama_round_trip":
+        pytest.skip("one train between two stations")
+    kind = kind_for(read, name)
+    first, second = sorted({d.stock_id for d in read.timetable.diagrams})
+    gone_s = float(read.tables.trajectory.filter(pl.col("unit") == first)["t_s"][-1]) + 60.0
+    with drawing():
+        whole, part = (
+            figure_of(chosen_run(read, choice), kind) for choice in (Choice(), Choice(from_s=gone_s))
+        )
+    assert colours_of(part)[second] == colours_of(whole)[second] != colours_of(whole)[first]
+    if name == "battery":  # the set stands, and nothing is written down of it for a while
+        panel = next(axes for axes in part.axes if axes.get_ylabel().startswith(second))
+        assert panel.get_xlim()[0] == gone_s
+        assert panel.lines[2].get_xdata()[0] <= gone_s
 
 
 def test_whatever_is_waited_for_is_seen_and_blank_is_who_waits_for_nothing() -> None:

@@ -1,6 +1,7 @@
 """What the page is told of a run is what its tables say."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from network.model import Direction
 from study.measures.summary import summarise
 from study.record.energy import PARTS
 from study.record.tables import ROWS, RunTables, make_table
+from study.record.wait import Cause, Wait
 from study.report.beside import Beside
 from study.report.courses import (
     FINEST_FIRST,
@@ -88,6 +90,15 @@ def test_calls_are_those_of_plan_and_run(weekday: ReportedRun) -> None:
         assert Direction(train["direction"]) is planned.direction
 
 
+def test_the_page_waits_for_no_departure_where_a_train_ends_on_the_line(weekday: ReportedRun) -> None:
+    plan = weekday.timetable.trains["321M"]
+    last = replace(plan.calls[-1], departure_s=plan.calls[-1].arrival_s)
+    trains = {**weekday.timetable.trains, "321M": replace(plan, calls=(*plan.calls[:-1], last))}
+    run = ReportedRun(weekday.line, replace(weekday.timetable, trains=trains), weekday.tables)
+    shown = {train["number"]: train for train in trains_shown(run)}
+    assert unpacked(shown["321M"]["pd"])[-1] is None
+
+
 def test_of_a_train_that_is_cut_what_came_is_shown_and_its_cancelled_calls_as_planned(
     weekday: ReportedRun,
 ) -> None:
@@ -108,6 +119,26 @@ def test_of_a_train_that_is_cut_what_came_is_shown_and_its_cancelled_calls_as_pl
     assert shown["station"] == stops["station"].to_list()
     came = [None if s is None else round(s, 1) for s in stops["arrival_s"].head(at + 1)]
     assert unpacked(shown["a"]) == [*came, *[None] * (len(stops) - at - 1)]
+
+
+def test_a_train_that_broke_down_in_a_station_stands_there_for_as_long_as_it_waited(
+    weekday: ReportedRun,
+) -> None:
+    """322M comes to Ogane and never leaves: the page has its stay from the waits, as the plot has."""
+    stops = weekday.tables.stops.filter(pl.col("train") == "322M")
+    stops = stops.head(stops["station"].to_list().index("OGN") + 1)
+    stops = stops.with_columns(departure_s=pl.when(pl.col("station") != "OGN").then("departure_s"))
+    came_s = stops["arrival_s"][-1]
+    waits = [Wait(stops["unit"][0], "322M", came_s, came_s + 3600.0, Cause.UNIT_OFF, "OGN")]
+    run = with_table(weekday, stops=stops, waits=make_table("waits", waits))
+    (table,) = (
+        t
+        for t in payload_of(run, summarise(run.tables, run.timetable), PageContents())["tables"]
+        if t["id"] == "occupation"
+    )
+    shown = {column["label"]: column["values"] for column in table["columns"]}
+    at = list(zip(shown["station"], shown["train"], strict=True)).index(("OGN", "322M"))
+    assert shown["to_s"][at] - shown["from_s"][at] == pytest.approx(3600.0, abs=0.11)
 
 
 def test_punctuality_of_a_part_of_a_day_counts_what_is_due(weekday: ReportedRun) -> None:

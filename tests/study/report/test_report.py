@@ -350,6 +350,21 @@ def test_delays_are_arrivals_and_departures(make_day: Callable[[str, str], Repor
     assert [text.get_text() for text in figure.axes[0].texts] == ["/+7", "−12/"]
 
 
+def test_a_planned_call_to_which_nobody_came_is_no_blank(
+    make_day: Callable[[str, str], ReportedRun],
+) -> None:
+    """A train that never came is not shown as one that does not call there."""
+    day = make_day("rtri_test_line", "rtri_test_line")
+    never = RunTables(**{**{n: getattr(day.tables, n) for n in ROWS}, "stops": day.tables.stops[:1]})
+    run = ReportedRun(day.line, day.timetable, never)
+    with drawing():
+        shown, too_early = draw_delays(run), draw_delays(run, 0.0)
+    assert shown is not None and too_early is not None
+    texts = [[text.get_text() for text in figure.axes[0].texts] for figure in (shown, too_early)]
+    assert [len(cells) for cells in texts] == [2, 1]  # the second run was too short for it
+    assert texts[0][1] == "–/"
+
+
 def cells(figure: Figure) -> list[int]:
     """Every figure in seconds in the table of delays."""
     texts = [text.get_text().replace("−", "-") for axes in figure.axes for text in axes.texts]

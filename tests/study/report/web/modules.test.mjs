@@ -6,7 +6,7 @@ import { deflateSync } from "node:zlib";
 const from = (name) => import(new URL(`../../../../study/report/web/${name}`, import.meta.url));
 const { column, dayOf, lastBefore, read, thinned, valueAt, waitAt } = await from("data.js");
 const { clock, clockGrid, late, niceStep, panned, spread, zoomed } = await from("view.js");
-const { approaches, classOf, departures, punctualityClasses, stays } = await from("papers.js");
+const { approaches, classOf, departures, lateness, punctualityClasses, stays } = await from("papers.js");
 const { csvOf, written } = await from("tables.js");
 const columnOf = (label, kind, values, digits = 0) => ({ label, heading: [label, `${label} (ja)`], kind, values, digits });
 const { nearestTrain, boundsOf, plotOf, scaleOf } = await from("traingraph.js");
@@ -232,6 +232,25 @@ test("level crossings in view have a line, and a name where there is room", () =
   assert.deepEqual(names, ["c0", "c2"]);
   drawCrossings(context, { ...day, line: {} }, { y: (m) => m }, plot);
   assert.equal(lines.length, 3);
+});
+
+test("what was planned and never came is later than anything, and what nobody planned has no lateness", () => {
+  const call = { pa: 100, a: NaN, pd: 130, d: NaN };
+  assert.deepEqual(lateness(call, 1000), { arrival: Infinity, departure: Infinity });
+  assert.deepEqual(lateness({ ...call, a: 90 }, 120), { arrival: -10, departure: NaN }); // the run was too short for it to leave
+  assert.deepEqual(lateness({ pa: NaN, a: 90, pd: NaN, d: NaN }, 1000), { arrival: NaN, departure: NaN });
+});
+
+test("before midnight the clock has a minus, as everywhere else", () => {
+  assert.deepEqual([-300, -3900, -1].map((t) => clock(t, true)), ["-00:05:00", "-01:05:00", "-00:00:01"]);
+  assert.equal(clock(-300), "-00:05");
+});
+
+test("a train without a plan leaves at a whole second", () => {
+  const day = dayOf(example());
+  day.trains[0].calls[1].pd = NaN;
+  day.trains[0].calls[1].d = 97.3;
+  assert.deepEqual(departures(day, day.stations.get("B"), 1)[0].trains.map(({ at }) => at), [97]);
 });
 
 test("an hour late is not on time", () => {
