@@ -10,6 +10,7 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -19,7 +20,6 @@ from host.party import PartySpec
 from host.planes import Secrets
 
 CONFIG_FILE: Final = "config.json"
-SECRETS_FILE: Final = "secrets.json"
 DURABLE_FILE: Final = "durable"
 LOG_FILE: Final = "stderr.log"
 _END_LIMIT_S: Final = 2.0
@@ -55,7 +55,10 @@ class Commission(NamedTuple):
 
 
 class PartyProcess:
-    """One running `host.serve`. It ends by itself when its stdin or its parent is gone."""
+    """One running `host.serve`. It ends by itself when its stdin or its parent is gone.
+
+    Its secrets are the first line of its stdin and stand in no file, so that nobody's death leaves them.
+    """
 
     def __init__(
         self,
@@ -68,12 +71,10 @@ class PartyProcess:
         state = state.resolve()
         state.mkdir(mode=0o700, parents=True, exist_ok=True)
         (state / CONFIG_FILE).write_bytes(spec.config)
-        self._secrets: Final = state / SECRETS_FILE
-        write_private(self._secrets, msgspec.json.encode(secrets))
         # -P, and a folder of its own: that from which the program was called cannot put a module in the way.
         command = [sys.executable, "-P", "-m", "host.serve", spec.role.value]
         command += ["--line", spec.line_id, "--party", spec.party_id, "--state", str(state)]
-        command += ["--key-file", str(self._secrets), "--connect", endpoint]
+        command += ["--connect", endpoint]
         if commission is not None:
             command += ["--commission", str(commission.number), "--vital", commission.vital.hex()]
         with (state / LOG_FILE).open("ab") as log:
@@ -86,6 +87,13 @@ class PartyProcess:
                 env=environment(os.environ, Path.cwd()),
                 start_new_session=True,  # a signal to the simulator's group is the simulator's alone to answer
             )
+        with suppress(BrokenPipeError):  # it ended before it read them, which who asks it finds out
+            self._tell(msgspec.json.encode(secrets) + b"\n")
+
+    def _tell(self, line: bytes) -> None:
+        if self._process.stdin is not None:
+            self._process.stdin.write(line)
+            self._process.stdin.flush()
 
     def alive(self) -> bool:
         """Whether it runs."""
@@ -125,11 +133,11 @@ class PartyProcess:
     def end(self) -> None:
         """Close its stdin, which ends it, and wait; SIGKILL if that does not help."""
         if self._process.stdin is not None:
-            self._process.stdin.close()
+            with suppress(BrokenPipeError):  # what was not read
+                self._process.stdin.close()
         if not self.ended_within(_END_LIMIT_S):
             self._process.kill()
             self._process.wait()
-        self._secrets.unlink(missing_ok=True)  # of one that ended before it had read them
 
 
 def last_words(state: Path) -> str:

@@ -41,6 +41,7 @@ from host.store import FileStore, commission
 from network.errors import InputError, is_want_of_resources
 
 INBOX_TELEGRAMS: Final = 4096
+SECRETS_READ_BYTES: Final = 65_536
 _PARENT_CHECK_S: Final = 1.0
 _ARRIVAL_POLL_S: Final = 0.0005
 _FAILURES: Final = (InputError, ForeignError, TimeoutError, ValueError, KeyError, OSError)
@@ -133,15 +134,14 @@ class PartyServer:
 
 
 def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -P -m host.serve", description="Host one party over Zenoh.")
+    parser = argparse.ArgumentParser(
+        prog="python -P -m host.serve", description="Host one party over Zenoh, by secrets from stdin."
+    )
     parser.add_argument("role", choices=[role.value for role in Role])
     parser.add_argument("--line", required=True, help="id of the line")
     parser.add_argument("--party", required=True, help="id of the party")
     parser.add_argument(
         "--state", required=True, type=Path, help="directory with config.json and durable state"
-    )
-    parser.add_argument(
-        "--key-file", required=True, type=Path, help="the party's secrets, JSON; removed once read"
     )
     parser.add_argument("--connect", required=True, help="endpoint of the simulator, unixsock-stream/<path>")
     parser.add_argument(
@@ -151,18 +151,15 @@ def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def _secrets(file: Path) -> Secrets:
-    """What this boot is given in secret; the file is gone once it is read, so that nobody's death leaves it."""
+def _secrets() -> Secrets:
+    """What this boot is given in secret: the first line of stdin, in JSON. The parent says no more there."""
+    line = b""
+    while not line.endswith(b"\n") and (more := os.read(sys.stdin.fileno(), SECRETS_READ_BYTES)):
+        line += more
     try:
-        data = file.read_bytes()
-        file.unlink()
-        return msgspec.json.decode(data, type=Secrets)
-    except OSError as error:
-        raise InputError(
-            str(file), "", None, f"a file that can be read and removed ({error.strerror})"
-        ) from None
+        return msgspec.json.decode(line, type=Secrets)
     except msgspec.MsgspecError as error:
-        raise InputError(str(file), "", None, f"the secrets of a party ({error})") from None
+        raise InputError("stdin", "", None, f"the secrets of a party, a line of JSON ({error})") from None
 
 
 def _answerer(options: argparse.Namespace, secrets: Secrets) -> Answerer:
@@ -186,7 +183,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     options = _arguments(arguments)
     try:
-        secrets = _secrets(options.key_file)
+        secrets = _secrets()
         answerer = _answerer(options, secrets)
     except InputError as error:
         sys.stderr.write(f"{error}\n")

@@ -24,6 +24,8 @@ LEVELS: Final[Mapping[int, Phrase]] = {
     2: phrase("emergency brake"),
 }
 
+ANY_NETWORK: Final = ("network", "any")  # goes without saying
+
 
 def fault_text(kind: str, target: object, parameters: Mapping[str, Any]) -> Phrase:
     """A fault with whose it is and its figures."""
@@ -33,6 +35,7 @@ def fault_text(kind: str, target: object, parameters: Mapping[str, Any]) -> Phra
             phrases_of("fault figure").get(name, Phrase("", f"{name} {{}}")).ja.format(value),
         )
         for name, value in parameters.items()
+        if (name, value) != ANY_NETWORK
     ]
     head = Phrase(f"{kind} {target}", f"{fault_name(kind).in_('ja')}（{_target(target)}）")
     return joined_phrases((head, *figures))
@@ -129,6 +132,8 @@ def value_text(field: str, value: object) -> Phrase:
         return value_text(field, value.value)
     if value is None or value == "":
         return NOTHING
+    if isinstance(value, bool):
+        return phrase("yes", "value") if value else phrase("no", "value")
     if isinstance(value, float):
         return Phrase(f"{value:g}")
     known = _BY_FIELD.get(field)
@@ -179,6 +184,10 @@ def _signal(value: object) -> Phrase:
     return Phrase(known.en.replace("_", " "), known.ja)
 
 
+def _barriers(value: object) -> Phrase:
+    return phrase_or_name(str(value), "barriers")
+
+
 def _reader(value: object) -> Phrase:
     return phrase_or_name(str(value), "reader")
 
@@ -202,6 +211,7 @@ _BY_FIELD: Final = {
     "aspect": _signal,
     "does": _signal,
     "after": _reader,
+    "state": _barriers,
     "step": step_name,
     "to_whom": role_name,
     "by": _party,

@@ -1,5 +1,6 @@
 """Parties as processes: nobody else can speak, hear or join unnoticed, and nothing is left afterwards."""
 
+import base64
 import os
 import select
 import signal
@@ -7,7 +8,7 @@ import stat
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -25,8 +26,9 @@ from host.order_solver import HANGS_S
 from host.over_zenoh import ZenohParties, answer_limit_s
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance
-from host.planes import said_key, session_json5, time_key
-from host.process import SECRETS_FILE, PartyProcess, environment, write_private
+from host.planes import Secrets, new_secrets, said_key, session_json5, time_key
+from host.process import PartyProcess, environment
+from radio.keys import KeyRing
 from tests.nightly import others_nightly
 from wayside.config import (
     MANAGER_ID,
@@ -139,27 +141,35 @@ def test_only_its_owner_can_reach_the_socket(parties: ZenohParties, tmp_path: Pa
         assert stat.S_IMODE((tmp_path / party_id).stat().st_mode) == 0o700
 
 
-def test_a_file_of_secrets_is_its_owners_alone_and_gone_once_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whoever is killed then leaves none; one that ends before it has read them leaves none either."""
-    modes: list[int] = []
+def test_secrets_stand_in_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At no moment, so that whoever is killed leaves none: not when a process begins, and not once it runs."""
+    given: list[bytes] = []
+    found: list[Path] = []
 
-    def written(path: Path, data: bytes) -> None:
-        write_private(path, data)
-        modes.append(stat.S_IMODE(path.stat().st_mode))
+    def look() -> None:
+        files = [path for path in tmp_path.rglob("*") if path.is_file()]
+        found.extend(path for path in files if any(secret in path.read_bytes() for secret in given))
 
-    monkeypatch.setattr(host.process, "write_private", written)
+    def drawn(keys: KeyRing) -> Secrets:
+        own = new_secrets(keys)
+        given.append(base64.b64encode(own.plane_key))
+        return own
+
+    def started(own: Mapping[str, str], folder: Path) -> dict[str, str]:
+        look()
+        return environment(own, folder)
+
+    monkeypatch.setattr(host.over_zenoh, "new_secrets", drawn)
+    monkeypatch.setattr(host.process, "environment", started)
     with zenoh_parties(tmp_path) as parties:
-        assert list(tmp_path.rglob(SECRETS_FILE)) == []
+        look()
         parties.kill("t")
         parties.restart("t")
-        assert list(tmp_path.rglob(SECRETS_FILE)) == []
-    assert modes == [0o600] * 3
+        look()
+    assert (len(given), found) == (3, [])
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(PartyError, match="ended with code 1"):
         zenoh_parties(tmp_path).__enter__()
-    assert list(tmp_path.rglob(SECRETS_FILE)) == []
 
 
 def test_no_port_is_open_and_the_socket_goes_with_the_run(tmp_path: Path) -> None:
@@ -172,17 +182,18 @@ def test_no_port_is_open_and_the_socket_goes_with_the_run(tmp_path: Path) -> Non
 
 
 def test_every_boot_has_secrets_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    written: list[bytes] = []
+    told: list[bytes] = []
+    tell = PartyProcess._tell
 
-    def noted(path: Path, data: bytes) -> None:
-        written.append(data)
-        write_private(path, data)
+    def noted(process: PartyProcess, line: bytes) -> None:
+        told.append(line)
+        tell(process, line)
 
-    monkeypatch.setattr(host.process, "write_private", noted)
+    monkeypatch.setattr(PartyProcess, "_tell", noted)
     with zenoh_parties(tmp_path) as parties:
         parties.kill("t")
         parties.restart("t")
-    assert len(set(written)) == len(written) == 3
+    assert len(set(told)) == len(told) == 3
 
 
 # trouble ----------------------------------------------------------------------------------------------------

@@ -17,25 +17,24 @@ TERMINAL = TerminalConfig("line", "t", (PointsEntry("p", "S", 8.0),))
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("--party", "other"), ("--line", "other"), ("--key-file", "missing"), ("role", "block-manager")],
+    [("--party", "other"), ("--line", "other"), ("stdin", "{}\n"), ("stdin", ""), ("role", "block-manager")],
 )
 def test_the_process_refuses_what_does_not_fit(tmp_path: Path, key: str, value: str) -> None:
     spec = device_specs(MANAGER, [TERMINAL], b"m" * 32)[1]
     (tmp_path / "config.json").write_bytes(spec.config)
-    (tmp_path / "secrets.json").write_bytes(msgspec.json.encode(new_secrets(spec.keys)))
+    secrets = msgspec.json.encode(new_secrets(spec.keys)) + b"\n" if key != "stdin" else value.encode()
     options = {
         "--line": "line",
         "--party": "t",
         "--state": str(tmp_path),
-        "--key-file": str(tmp_path / "secrets.json"),
     }
     role = "point-terminal" if key != "role" else value
-    options |= {"--connect": f"unixsock-stream/{tmp_path}/z"} | ({} if key == "role" else {key: value})
+    options |= {"--connect": f"unixsock-stream/{tmp_path}/z"} | (
+        {} if key in {"role", "stdin"} else {key: value}
+    )
     command = [sys.executable, "-P", "-m", "host.serve", role]
     words = [word for pair in options.items() for word in pair]
-    done = subprocess.run(
-        [*command, *words], stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False, timeout=60
-    )
+    done = subprocess.run([*command, *words], input=secrets, stderr=subprocess.PIPE, check=False, timeout=60)
     assert done.returncode == 2
     assert len(done.stderr.decode().strip().splitlines()) == 1
 

@@ -13,10 +13,13 @@ import pytest
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
+from network.making.sample_day import timetable_toml
 from network.model import Direction, Position, TagPurpose
 from onboard.driving.tasc import StopVerdict
 from onboard.localisation.fix import OUTCOMES
 from onboard.localisation.table import READER_NAMES
+from plan.arranging.arrange import _assumed
+from plan.arranging.problem import Arranged, PrintedMove
 from radio import messages
 from radio.envelope import DropReason
 from radio.noted import Noted
@@ -44,6 +47,7 @@ from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.forms import phrase_by_form
 from study.wording.phrase import Phrase
 from study.wording.reasons import reason
+from vehicle.train_file import load_train, shipped_train
 from wayside.reentry import PictureClash
 from wayside.register import ReentryStage, UnitStanding
 
@@ -200,7 +204,16 @@ def test_an_expectation_is_said_from_what_is_judged() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["rtri/09b_manager_power_by_hand", "karasuyama/12_terminal_power", "rtri/59_unit_barred"]
+    "name",
+    [
+        "rtri/09b_manager_power_by_hand",
+        "karasuyama/12_terminal_power",
+        "rtri/59_unit_barred",
+        "rtri/06_unit_manager_link",
+        "rtri/101_crossing_power",
+        "rtri/105_crossing_asked_late",
+        "rtri/115_crossing_by_pilot",
+    ],
 )
 def test_of_a_drill_nothing_is_left_in_english(name: str) -> None:
     drill = load_scenario(find_drill(name), None).setup.script
@@ -262,6 +275,18 @@ def test_what_a_shipped_line_rests_on_is_said_in_japanese(line_id: str) -> None:
     left = {text: english_in(CODE.sub("", assumption(text, line).in_("ja"))) for text in texts}
     assert len(texts) > 3
     assert {text: words for text, words in left.items() if words} == {}
+
+
+def test_what_the_program_assumes_of_a_day_that_it_makes_is_said_in_japanese() -> None:
+    """`new line --scenario` makes one up, `arrange` and `import --train` change one of others'."""
+    line, train = load_line(shipped_line("busy_line")), load_train(shipped_train("br642"))
+    made = tomllib.loads(timetable_toml(line, "made"))["timetable"]["assumed"]
+    moved = PrintedMove("1D", "ALP", "arrival", 0, 3)
+    made += _assumed(
+        train, Arranged({}, (moved,), proven=True, bound_s=3.0, reach_s=60, work=0.0), ["E1", "E2"]
+    )
+    left = {text: english_in(assumption(text, line).in_("ja").replace("inferred", "")) for text in made}
+    assert len(left) == 4 and {text: words for text, words in left.items() if words} == {}
 
 
 @pytest.mark.parametrize("form", FORMS, ids=lambda form: form.en[:40])
