@@ -27,7 +27,7 @@ from plan.arranging.problem import (
     Visit,
 )
 from plan.arranging.telling import FoundSoFar, Tell
-from plan.arranging.windows import earliest_s, latest_each_s, latest_s
+from plan.arranging.windows import windows_s
 
 SEED: Final = 1
 REACH_S: Final = 4 * 3600  # assumed: nobody would call it the same train that is moved by more
@@ -49,6 +49,7 @@ SLOWER_SHARE: Final = (
     0.25  # how much longer a run may take that ends in running through, so that it need not stop
 )
 DAY_BEGINS_S: Final = -3600
+NIGHT_S: Final = 3600  # after the last train, in which sets stand over
 PORTAL_S: Final = 180  # assumed: from a portal to leaving the station behind it, with the stop there, or back
 ANOTHER: Final = "+"  # stands for the section of a track that a station does not have
 BEYOND_TEXT: Final = f", a second beyond the limit as {BEYOND_COST // SECOND}"
@@ -118,7 +119,11 @@ class ArrangeModel:
         self._cost: list[cp_model.LinearExpr | IntVar] = []
         self._move_costs: list[cp_model.LinearExpr | IntVar] = []  # as in `search.cost_of`
         self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar | int]] = []
-        self._ends_s = max(latest_s(train) for train in trains) + 2 * reach_s
+        self._windows: Final = {train.number: windows_s(train, reach_s) for train in trains}
+        # sets that stand over stand there after all trains have come, whatever they wait for on their way
+        last_s = [own[-1][2] for own in self._windows.values()]
+        last_s += [own[-1].departure_s for own in self._settled_at.values()]
+        self._ends_s = max(last_s) + NIGHT_S
         self.vars: Final = {
             train.number: _settled_vars(train, self._settled_at[train.number])
             if train.number in self._settled_at
@@ -140,12 +145,8 @@ class ArrangeModel:
 
     def _train(self, train: TrainToArrange) -> list[_VisitVars]:
         found: list[_VisitVars] = []
-        reach_s = max(self._reach_s, train.until_s - train.from_s)
-        soonest_s = earliest_s(train)
-        by_then_s = latest_each_s(train, soonest_s, reach_s)
-        for index, (visit, (comes_s, leaves_s), to_s) in enumerate(
-            zip(train.visits, soonest_s, by_then_s, strict=True)
-        ):
+        windows = zip(train.visits, self._windows[train.number], strict=True)
+        for index, (visit, (comes_s, leaves_s, to_s)) in enumerate(windows):
             name = f"{train.number} {visit.station_id}"
             arrives = self.model.new_int_var(comes_s, to_s, f"{name} a")
             departs = self.model.new_int_var(leaves_s, to_s, f"{name} d")
