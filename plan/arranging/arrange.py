@@ -187,7 +187,9 @@ def lacking_text(line: Line, lacking: MoreTracks) -> str:
         for station_id, count in lacking.by_station.items()
     ]
     worst = f" by more than {lacking.worst_s} s" if lacking.worst_s else ""
-    return f"if {' and '.join(names)}, no printed time would be moved{worst}"
+    laid = all(s not in line.stations or line.stations[s].is_halt for s in lacking.by_station)
+    quick = "" if laid else ", on tracks as quick as those that are there"
+    return f"if {' and '.join(names)}, no printed time would be moved{worst}{quick}"
 
 
 def _between(line: Line, timetable: Timetable | None = None) -> Iterator[tuple[tuple[str, str], str]]:

@@ -158,6 +158,7 @@ def _visits(
             run,
             leg,
             tracks,
+            times.slower(train.direction, station.id),
         )
         before = station
         place = station if tracks else place

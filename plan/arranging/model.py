@@ -152,12 +152,12 @@ class ArrangeModel:
             departs = self.model.new_int_var(leaves_s, to_s, f"{name} d")
             stands = self.model.new_bool_var(f"{name} stands") if visit.standing is Standing.MAY else None
             one = _VisitVars(visit, arrives, departs, stands)
+            for track in visit.tracks if len(visit.tracks) > 1 else ():
+                one.tracks[track] = self.model.new_bool_var(f"{name} {track}")
             self._stay(one, last=index in (0, len(train.visits) - 1))
             if found:
                 self._run(found[-1], one)
             self._print(train, one)
-            for track in visit.tracks if len(visit.tracks) > 1 else ():
-                one.tracks[track] = self.model.new_bool_var(f"{name} {track}")
             found.append(one)
         return found
 
@@ -178,10 +178,12 @@ class ArrangeModel:
             if not (before.visit.can(from_stands) and one.visit.can(to_stands)):
                 continue
             literals = [*_if(before, stands=from_stands), *_if(one, stands=to_stands)]
-            self.model.add(one.arrives >= before.departs + run_s).only_enforce_if(literals)
+            longer = _longer(before, stands=from_stands, leaves=True)
+            departs = sum([*longer, *_longer(one, stands=to_stands, leaves=False)], start=before.departs)
+            self.model.add(one.arrives >= departs + run_s).only_enforce_if(literals)
             if not to_stands:
                 slowest_s = run_s + round(SLOWER_SHARE * run_s)
-                self.model.add(one.arrives <= before.departs + slowest_s).only_enforce_if(literals)
+                self.model.add(one.arrives <= departs + slowest_s).only_enforce_if(literals)
 
     def _print(self, train: TrainToArrange, one: _VisitVars) -> None:
         visit = one.visit
@@ -456,3 +458,9 @@ def _if(one: _VisitVars, *, stands: bool) -> list[cp_model.LiteralT]:
     if one.stands is None:
         return []
     return [one.stands if stands else ~one.stands]
+
+
+def _longer(one: _VisitVars, *, stands: bool, leaves: bool) -> list[cp_model.LinearExpr]:
+    """How much longer the run there (from there) takes on the track that is chosen, s, in parts."""
+    longer = {track: one.visit.longer_s(track, stands=stands, leaves=leaves) for track in one.tracks}
+    return [by_s * one.tracks[track] for track, by_s in longer.items() if by_s]

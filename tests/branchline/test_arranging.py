@@ -243,6 +243,28 @@ def test_two_sets_stand_on_two_tracks(main: Callable[..., Any], tmp_path: Path) 
     assert "empty working" not in found.out
 
 
+def test_a_train_has_the_time_that_it_takes_from_the_track_that_it_has(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Two sets begin at Bato, on two tracks, the way from one of which is slower; arrivals are computed."""
+    ways = [('"BAT"', '"KID"', '"ASA"', "up"), ('"ASA"', '"KID"', '"BAT"', "down")]
+    trains = [
+        _train(
+            f"{at}{n}",
+            way,
+            f'station = {first}, departure = "1{n}:00"',
+            f'station = {middle}, departure = "1{n}:05"',
+            f'station = {last}, arrival = "1{n}:20", inferred = true',
+        )
+        for at, (first, middle, last, way) in enumerate(ways)
+        for n in (0, 1)
+    ]
+    found = _day_at_kido(main, tmp_path, "".join(trains), ends=4)("made.toml", "--scenario", "run.toml")
+    assert found.code == 0, found
+    checked = main("check", "run.toml")
+    assert "running time" not in checked.out
+
+
 def test_a_third_set_is_brought_as_an_empty_working(main: Callable[..., Any], tmp_path: Path) -> None:
     found = _day_at_kido(main, tmp_path, "".join(AT_KIDO))("made.toml", "--scenario", "run.toml")
     assert found.code == 0, found
@@ -275,7 +297,7 @@ def test_tracks_that_would_do_are_named(main: Callable[..., Any], tmp_path: Path
     assert found.code == 2
     assert "Kido had 1 more track" in found.err
     assert "Asa had 1 more track" in found.err
-    assert "no printed time would be moved" in found.err
+    assert "no printed time would be moved, on tracks as quick as those that are there" in found.err
 
 
 def test_the_halt_where_trains_could_meet_is_named(main: Callable[..., Any], tmp_path: Path) -> None:

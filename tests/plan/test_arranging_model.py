@@ -15,6 +15,7 @@ from plan.arranging.problem import (
     ByStanding,
     Leg,
     PrintedMove,
+    SlowerTrack,
     Standing,
     TrainToArrange,
     Visit,
@@ -334,3 +335,17 @@ def test_an_opposing_train_with_the_same_track_may_take_another() -> None:
 def test_who_stands_on_the_other_track_of_two_may_make_way() -> None:
     up = _up(NOON + 300, _visit("L", tracks=("L.2", "L.3")))
     assert sorted(_beside_at_loop(_follower(0, "1"), _follower(0, "3"), up)) == ["1", "2", "3"]
+
+
+@pytest.mark.parametrize(("only", "moved_s"), [("L.1", 0), ("L.2", 12), ("both", 0)])
+def test_a_run_takes_longer_on_a_slower_track(only: str, moved_s: int) -> None:
+    """To stand on L.2 takes 5 s longer, and to go on from there 7 s; printed is what it takes by L.1."""
+    slower = (SlowerTrack("L.2", ByStanding(5, 3), ByStanding(7, 2)),)
+    tracks = ("L.1", "L.2") if only == "both" else (only, "L.3")
+    loop = _visit("L", tracks=tracks, slower=slower)
+    train = _train("1", _visit("A", departure_s=NOON), loop, _visit("B", arrival_s=NOON + 620))
+    taken = [_train("2", _visit("A", departure_s=NOON - 900, tracks=("A.2",)), _visit("L", tracks=("L.3",)))]
+    plan = nearest_plan([[train, *taken]], limit_s=300).arranged
+    assert sum(move.by_s for move in plan.moves) == moved_s
+    arrives_s = NOON + 300 + (5 if only == "L.2" else 0)
+    assert soonest(train, plan.visits["1"], {})[1].arrival_s == arrives_s
