@@ -24,16 +24,16 @@ BESIDE_S: Final = 300  # assumed: so late a train may be where another one needs
 
 @dataclass(frozen=True, slots=True)
 class _There:
-    """A train at a station, its usual track, and within which times it can be there, s."""
+    """A train at a station, its usual track, and within which times it can have that, s."""
 
     number: str
     usual: str
-    comes_s: int
-    leaves_s: int
+    from_s: int
+    to_s: int
 
     def meets(self, other: _There) -> bool:
-        """Whether both could be there at once."""
-        return self.comes_s <= other.leaves_s and other.comes_s <= self.leaves_s
+        """Whether both could have it at once."""
+        return self.from_s <= other.to_s and other.from_s <= self.to_s
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,13 +114,19 @@ def _with_choice(train: TrainToArrange, choice: Collection[str]) -> TrainToArran
 def stations_beside_another(trains: Sequence[TrainToArrange]) -> dict[str, frozenset[str]]:
     """By train: where it could be at once with another that usually has the same track, or with two that do.
 
-    As long as a train can be there by print, and `BESIDE_S` longer: where one follows, overtakes or meets another.
+    As long as a train can have its track by print, and `BESIDE_S` longer: from leaving the place before until it is at
+    the next one. So one follows, overtakes or meets another.
     """
     there: dict[str, list[_There]] = defaultdict(list)
     for train in trains:
-        for visit, (comes_s, _, to_s) in zip(train.visits, windows_s(train, BESIDE_S), strict=True):
-            if visit.tracks:
-                there[visit.station_id].append(_There(train.number, visit.tracks[0], comes_s, to_s))
+        windows = windows_s(train, BESIDE_S)
+        places = [i for i, visit in enumerate(train.visits) if visit.tracks]
+        for before, here, after in zip([places[0], *places], places, [*places[1:], places[-1]], strict=False):
+            comes_s, _, to_s = windows[here]
+            from_s = windows[before][1] if before != here else comes_s
+            until_s = to_s + (windows[after][0] - windows[here][1] if after != here else 0)
+            visit = train.visits[here]
+            there[visit.station_id].append(_There(train.number, visit.tracks[0], from_s, until_s))
     found: dict[str, set[str]] = defaultdict(set)
     for station_id, all_there in there.items():
         for one, other in combinations(all_there, 2):

@@ -157,11 +157,11 @@ def test_nonsense_is_one_line(
 
 
 def _day_at_kido(
-    main: Callable[..., Any], tmp_path: Path, trains: str, tracks: int = 2, ends: int = 2
+    main: Callable[..., Any], tmp_path: Path, trains: str, tracks: int = 2, ends: int = 2, km: int = 3
 ) -> Callable[..., Any]:
     """A line whose middle station has so many tracks, and a day of `trains`; the command that arranges it."""
-    stations = STATIONS.replace("3,2,signal station", f"3,{tracks},station")
-    stations = stations.replace("0,2,", f"0,{ends},").replace("6,2,", f"6,{ends},")
+    stations = STATIONS.replace("3,2,signal station", f"{km},{tracks},station")
+    stations = stations.replace("ASA,0,2,", f"ASA,0,{ends},").replace("6,2,", f"{2 * km},{ends},")
     (tmp_path / "hill.csv").write_text(stations, "utf-8")
     assert main("new", "line", "hill.csv", "hill.toml").code == 0
     (tmp_path / "day.toml").write_text(DAY[: DAY.index("[[trains]]")] + trains, "utf-8")
@@ -216,6 +216,24 @@ def test_two_of_the_same_way_stand_beside_each_other(main: Callable[..., Any], t
     assert {_calls(tmp_path / "made.toml", number)["KID"].track for number in ("1", "3")} != {None}
     checked = main("check", "run.toml")
     assert checked.code == 0, checked
+
+
+def test_a_train_comes_beside_the_track_that_one_ahead_has_just_left(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    """The first leaves Kido at 10:10 and has its track until it is at Bato, 10:19; the other leaves for there at 10:13."""
+    trains = [
+        _train(
+            number,
+            "down",
+            f'station = "ASA", departure = "10:{at:02d}"',
+            f'station = "KID", arrival = "10:{at + 9:02d}", departure = "10:{at + 10:02d}"',
+            f'station = "BAT", arrival = "10:{at + 19:02d}"',
+        )
+        for number, at in (("1", 0), ("3", 13))
+    ]
+    found = _day_at_kido(main, tmp_path, "".join(trains), km=10)("made.toml", "--scenario", "run.toml")
+    assert "printed times moved: 0 of 8" in found.out, found.out
 
 
 def test_without_a_choice_of_tracks_the_second_waits_behind_the_first(

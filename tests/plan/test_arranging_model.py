@@ -322,9 +322,11 @@ def _beside_at_loop(*trains: TrainToArrange) -> list[str]:
 
 
 def test_tracks_are_chosen_where_two_with_the_same_could_be_at_once() -> None:
-    """The first is at L from 300 s after noon until 400, up to 300 s later; the other comes 300 s after it left A."""
-    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(400))) == ["1", "2"]
-    assert _beside_at_loop(_follower(0, "1"), _follower(401)) == []
+    """The first leaves L 400 s after noon, has its track for the 300 s to B, and may be 300 s late: until 1,000 s. The
+    second needs it from when it leaves A, 300 s before it comes.
+    """
+    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(1000))) == ["1", "2"]
+    assert _beside_at_loop(_follower(0, "1"), _follower(1001)) == []
     assert _beside_at_loop(_follower(0, "1"), _follower(0, usual="L.2")) == []
 
 
