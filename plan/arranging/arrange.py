@@ -119,7 +119,7 @@ def arranged_day(
     `tell` takes what is being done.
     """
     tell("running and blocking times")
-    drafts = tuple(_drafts(line, file, name, train))
+    drafts = tuple(_drafts(line, file, name, train, limit_s))
     halts = NO_HALTS
     if line_path is not None:
 
@@ -134,7 +134,7 @@ def arranged_day(
             return True
 
         def laid(at: Sequence[str]) -> list[Day]:
-            return [draft.trains for draft in _drafts(with_loops(at), file, name, train)]
+            return [draft.trains for draft in _drafts(with_loops(at), file, name, train, limit_s)]
 
         stations = line.stations.values()
         along_m = {station.id: station.position_m for station in stations}
@@ -202,14 +202,15 @@ def _between(line: Line, timetable: Timetable | None = None) -> Iterator[tuple[t
 
 
 def _draft(
-    line: Line, file: TimetableFile, name: str, times: LineTimes, empty: tuple[str, ...] = ()
+    line: Line, file: TimetableFile, name: str, times: LineTimes, empty: tuple[str, ...], limit_s: int
 ) -> _Draft:
     timetable = timetable_of(file, name, line)
     printed = printed_calls(file, timetable)
-    return _Draft(file, timetable, printed, trains_to_arrange(line, timetable, printed, times), empty)
+    trains = trains_to_arrange(line, timetable, printed, times, limit_s)
+    return _Draft(file, timetable, printed, trains, empty)
 
 
-def _drafts(line: Line, file: TimetableFile, name: str, train: TrainType) -> Iterator[_Draft]:
+def _drafts(line: Line, file: TimetableFile, name: str, train: TrainType, limit_s: int) -> Iterator[_Draft]:
     """The day with the empty workings that each rule of the night adds."""
     timetable = timetable_of(file, name, line)
     times = line_times(line, train, timetable.head.dwell_min_s)
@@ -218,7 +219,7 @@ def _drafts(line: Line, file: TimetableFile, name: str, train: TrainType) -> Ite
         more, empty = with_empty_workings(file, timetable, line, times, rule)
         if more not in seen:
             seen.append(more)
-            yield _draft(line, more, name, times, empty)
+            yield _draft(line, more, name, times, empty, limit_s)
 
 
 def _added(trains: Sequence[TrainToArrange], arranged: Arranged) -> Iterator[tuple[str, str, int]]:

@@ -19,7 +19,10 @@ from plan.arranging.windows import windows_s
 
 WITHIN_S: Final = 2700  # assumed: a train of which nothing is printed runs within so much of its first draft
 OPERATIONAL_STAY_S: Final = 10  # assumed: a train that only waits for another
-BESIDE_S: Final = 300  # assumed: so late a train may be where another one needs its track
+BESIDE_S: Final = (
+    300  # assumed: so late a train may be where another one needs its track; with a wider limit that, up to
+)
+BESIDE_S_MAX: Final = 1200  # assumed: beyond it nearly all trains of a day could be beside each other
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +73,13 @@ def _printed(call: Call, table: CallTable, revenue: bool, *, first: bool, last: 
 
 
 def trains_to_arrange(
-    line: Line, timetable: Timetable, printed: Mapping[str, tuple[PrintedCall, ...]], times: LineTimes
+    line: Line,
+    timetable: Timetable,
+    printed: Mapping[str, tuple[PrintedCall, ...]],
+    times: LineTimes,
+    limit_s: int = BESIDE_S,
 ) -> list[TrainToArrange]:
-    """All trains of the day. Raises InputError where the line has no way for one."""
+    """All trains of the day, moved by `limit_s` at most. Raises InputError where the line has no way for one."""
     turn_s = math.ceil(max(times.setup.turn_s, timetable.head.turn_min_s))
     found: list[TrainToArrange] = []
     turning = frozenset(train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1))
@@ -98,7 +105,7 @@ def trains_to_arrange(
                 number, visits, follows, turn_s + leads_s[0], *window_s, enters=enters, leaves=leaves
             )
         )
-    beside = stations_beside_another(found)
+    beside = stations_beside_another(found, min(max(BESIDE_S, limit_s), BESIDE_S_MAX))
     return [_with_choice(train, turning | beside.get(train.number, frozenset())) for train in found]
 
 
@@ -111,15 +118,17 @@ def _with_choice(train: TrainToArrange, choice: Collection[str]) -> TrainToArran
     return replace(train, visits=tuple(visits))
 
 
-def stations_beside_another(trains: Sequence[TrainToArrange]) -> dict[str, frozenset[str]]:
+def stations_beside_another(
+    trains: Sequence[TrainToArrange], late_s: int = BESIDE_S
+) -> dict[str, frozenset[str]]:
     """By train: where it could be at once with another that usually has the same track, or with two that do.
 
-    As long as a train can have its track by print, and `BESIDE_S` longer: from leaving the place before until it is at
+    As long as a train can have its track by print, and `late_s` longer: from leaving the place before until it is at
     the next one. So one follows, overtakes or meets another.
     """
     there: dict[str, list[_There]] = defaultdict(list)
     for train in trains:
-        windows = windows_s(train, BESIDE_S)
+        windows = windows_s(train, late_s)
         places = [i for i, visit in enumerate(train.visits) if visit.tracks]
         for before, here, after in zip([places[0], *places], places, [*places[1:], places[-1]], strict=False):
             comes_s, _, to_s = windows[here]

@@ -221,7 +221,7 @@ def test_two_of_the_same_way_stand_beside_each_other(main: Callable[..., Any], t
 def test_a_train_comes_beside_the_track_that_one_ahead_has_just_left(
     main: Callable[..., Any], tmp_path: Path
 ) -> None:
-    """The first leaves Kido at 10:10 and has its track until it is at Bato, 10:19; the other leaves for there at 10:13."""
+    """The first leaves Kido at 10:10, with its track until Bato at 10:19; the other leaves Asa at 10:13."""
     trains = [
         _train(
             number,
@@ -239,7 +239,7 @@ def test_a_train_comes_beside_the_track_that_one_ahead_has_just_left(
 def test_without_a_choice_of_tracks_the_second_waits_behind_the_first(
     main: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def nowhere(_trains: Sequence[TrainToArrange]) -> dict[str, frozenset[str]]:
+    def nowhere(_trains: Sequence[TrainToArrange], _late_s: int) -> dict[str, frozenset[str]]:
         return {}
 
     monkeypatch.setattr(draft, "stations_beside_another", nowhere)

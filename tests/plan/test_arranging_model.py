@@ -317,8 +317,8 @@ def _follower(after_s: int, number: str = "2", usual: str = "L.1") -> TrainToArr
     return _train(number, _visit("A", departure_s=NOON + after_s), at_loop, _visit("B"))
 
 
-def _beside_at_loop(*trains: TrainToArrange) -> list[str]:
-    return [number for number, where in stations_beside_another(trains).items() if "L" in where]
+def _beside_at_loop(*trains: TrainToArrange, late_s: int = 300) -> list[str]:
+    return [number for number, where in stations_beside_another(trains, late_s).items() if "L" in where]
 
 
 def test_tracks_are_chosen_where_two_with_the_same_could_be_at_once() -> None:
@@ -327,6 +327,7 @@ def test_tracks_are_chosen_where_two_with_the_same_could_be_at_once() -> None:
     """
     assert sorted(_beside_at_loop(_follower(0, "1"), _follower(1000))) == ["1", "2"]
     assert _beside_at_loop(_follower(0, "1"), _follower(1001)) == []
+    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(1001), late_s=301)) == ["1", "2"]
     assert _beside_at_loop(_follower(0, "1"), _follower(0, usual="L.2")) == []
 
 
