@@ -78,8 +78,13 @@ def trains_to_arrange(
     printed: Mapping[str, tuple[PrintedCall, ...]],
     times: LineTimes,
     limit_s: int = BESIDE_S,
+    *,
+    by_print: bool = False,
 ) -> list[TrainToArrange]:
-    """All trains of the day, moved by `limit_s` at most. Raises InputError where the line has no way for one."""
+    """All trains of the day, moved by `limit_s` at most. Raises InputError where the line has no way for one.
+
+    `by_print`: with a choice of tracks only beside trains that are there by print, as is enough on most days.
+    """
     turn_s = math.ceil(max(times.setup.turn_s, timetable.head.turn_min_s))
     found: list[TrainToArrange] = []
     turning = frozenset(train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1))
@@ -105,7 +110,8 @@ def trains_to_arrange(
                 number, visits, follows, turn_s + leads_s[0], *window_s, enters=enters, leaves=leaves
             )
         )
-    beside = stations_beside_another(found, min(max(BESIDE_S, limit_s), BESIDE_S_MAX))
+    late_s = 0 if by_print else min(max(BESIDE_S, limit_s), BESIDE_S_MAX)
+    beside = stations_beside_another(found, late_s)
     return [_with_choice(train, turning | beside.get(train.number, frozenset())) for train in found]
 
 
@@ -124,7 +130,7 @@ def stations_beside_another(
     """By train: where it could be at once with another that usually has the same track, or with two that do.
 
     As long as a train can have its track by print, and `late_s` longer: from leaving the place before until it is at
-    the next one. So one follows, overtakes or meets another.
+    the next one. So one follows, overtakes or meets another. With no `late_s` only what is there by print counts.
     """
     there: dict[str, list[_There]] = defaultdict(list)
     for train in trains:
@@ -132,8 +138,8 @@ def stations_beside_another(
         places = [i for i, visit in enumerate(train.visits) if visit.tracks]
         for before, here, after in zip([places[0], *places], places, [*places[1:], places[-1]], strict=False):
             comes_s, _, to_s = windows[here]
-            from_s = windows[before][1] if before != here else comes_s
-            until_s = to_s + (windows[after][0] - windows[here][1] if after != here else 0)
+            from_s = windows[before][1] if late_s and before != here else comes_s
+            until_s = to_s + (windows[after][0] - windows[here][1] if late_s and after != here else 0)
             visit = train.visits[here]
             there[visit.station_id].append(_There(train.number, visit.tracks[0], from_s, until_s))
     found: dict[str, set[str]] = defaultdict(set)
@@ -141,7 +147,7 @@ def stations_beside_another(
         for one, other in combinations(all_there, 2):
             if one.usual != other.usual or not one.meets(other):
                 continue
-            for third in all_there:
+            for third in all_there if late_s else (one, other):
                 if third.meets(one) and third.meets(other):
                     found[third.number].add(station_id)
     return {number: frozenset(stations) for number, stations in found.items()}

@@ -331,6 +331,12 @@ def test_tracks_are_chosen_where_two_with_the_same_could_be_at_once() -> None:
     assert _beside_at_loop(_follower(0, "1"), _follower(0, usual="L.2")) == []
 
 
+def test_by_print_alone_tracks_are_chosen_where_two_are_there_at_once() -> None:
+    """The first is at L from 300 to 400 s after noon, the second comes 300 s after it leaves A."""
+    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(100), late_s=0)) == ["1", "2"]
+    assert _beside_at_loop(_follower(0, "1"), _follower(101), late_s=0) == []
+
+
 def test_an_opposing_train_with_the_same_track_may_take_another() -> None:
     assert sorted(_beside_at_loop(_follower(0, "1"), _up(NOON + 300, _visit("L")))) == ["1", "2"]
 
