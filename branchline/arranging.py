@@ -92,7 +92,8 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
 def _proof(day: ArrangedDay, limit_s: int) -> str:
     """How far the plan is from the least, at most."""
     if day.arranged.proven:
-        return "the least that there is"
+        few = ", by other tracks only beside trains that are there by print" if day.by_print else ""
+        return f"the least that there is{few}"
     gap_s, share = day.gap
     if not day.beyond:
         return f"the best that was found, at most {math.ceil(gap_s)} s from the least"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -108,7 +109,7 @@ def write_or_count(
         imported, line = _imported(published, wanted)
         said: dict[str, list[str]] = {"arranged": []}
         if wanted.train is not None and imported.departures_alone:
-            imported, said["arranged"] = _arranged(imported, line, wanted.train)
+            imported, said["arranged"] = _arranged(imported, line, wanted)
         figures = {**(counts or {}), **imported.figures(), **said}
         if wanted.out is not None:
             from exchange.import_timetable import write_timetable
@@ -209,14 +210,17 @@ def _imported(published: PublishedTimetable, wanted: ImportOptions) -> tuple[Imp
 
 
 def _arranged(
-    imported: ImportedTimetable, line: Line, train_name: str
+    imported: ImportedTimetable, line: Line, wanted: ImportOptions
 ) -> tuple[ImportedTimetable, list[str]]:
-    """The nearest plan that works, and what it moves; as it is where no plan keeps the usual limit, and why."""
+    """The nearest plan that works, and what it moves; as it is where no plan keeps the usual limit, and why.
+
+    With the command that does it all the same of the file that is written.
+    """
     from branchline.extras import needing_extra
     from network.errors import InputError
 
     name = imported.timetable.head.id
-    how = f"branchline arrange {line.id} {name} --train {train_name}"
+    train_name = wanted.train or ""
     try:
         with needing_extra("plan", "--train"):
             from plan.arranging.arrange import LIMIT_S, arranged_day
@@ -229,7 +233,17 @@ def _arranged(
         return imported, [f"not, as of the source alone no plan is found: {why}"]
     if day.beyond:
         worst_s = max(abs(move.by_s) for move in day.beyond)
-        return imported, [f"not, as the least that would do moves a printed time by {worst_s} s: {how}"]
+        command = (
+            "arrange",
+            str(wanted.line),
+            str(wanted.out),
+            "--train",
+            train_name,
+            "--limit",
+            str(worst_s),
+        )
+        how = "" if wanted.out is None else f": branchline {shlex.join(command)}"
+        return imported, [f"not, as the least that would do moves a printed time by {worst_s} s{how}"]
     return replace(imported, file=day.file, timetable=day.timetable), [day.text]
 
 

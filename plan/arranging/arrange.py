@@ -29,6 +29,9 @@ from plan.arranging.telling import Tell, tell_nobody
 from plan.arranging.written import MovesOfDay, arranged_file, moves_of_day
 from vehicle.train_file import TrainType, load_train, train_named
 
+CHOICE_TRAINS_MAX: Final = (
+    80  # assumed: with 101 no proof comes where all could have any track (decision 284)
+)
 LIMIT_S: Final = 300  # assumed: by how much people can bear that a printed time is moved
 NAMED_TRAINS: Final = 4  # that a track is for, in a sentence
 
@@ -42,6 +45,7 @@ class _Draft:
     printed: dict[str, tuple[PrintedCall, ...]]
     trains: list[TrainToArrange]
     empty: tuple[str, ...] = ()
+    by_print: bool = False  # with few choices of tracks
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +64,9 @@ class ArrangedDay:
     gap: tuple[float, float]  # from the least at most, s, and as a share of what is counted (`search.gap_of`)
     lacking: MoreTracks | None  # tracks with which no printed time would be beyond the limit
     none_within_s: int  # no plan moves each printed time by so much at most, which is proven
+    by_print: (
+        bool  # trains have a choice of tracks only where sets turn and beside those that are there by print
+    )
 
     @property
     def text(self) -> str:
@@ -119,7 +126,7 @@ def arranged_day(
     `tell` takes what is being done.
     """
     tell("running and blocking times")
-    drafts = tuple(_drafts(line, file, name, train))
+    drafts = tuple(_drafts(line, file, name, train, limit_s))
     halts = NO_HALTS
     if line_path is not None:
 
@@ -134,7 +141,7 @@ def arranged_day(
             return True
 
         def laid(at: Sequence[str]) -> list[Day]:
-            return [draft.trains for draft in _drafts(with_loops(at), file, name, train)]
+            return [draft.trains for draft in _drafts(with_loops(at), file, name, train, limit_s)]
 
         stations = line.stations.values()
         along_m = {station.id: station.position_m for station in stations}
@@ -170,6 +177,7 @@ def arranged_day(
         gap_of(draft.trains, arranged, limit_s),
         found.lacking,
         found.none_within_s,
+        draft.by_print,
     )
 
 
@@ -187,7 +195,9 @@ def lacking_text(line: Line, lacking: MoreTracks) -> str:
         for station_id, count in lacking.by_station.items()
     ]
     worst = f" by more than {lacking.worst_s} s" if lacking.worst_s else ""
-    return f"if {' and '.join(names)}, no printed time would be moved{worst}"
+    laid = all(s not in line.stations or line.stations[s].is_halt for s in lacking.by_station)
+    quick = "" if laid else ", on tracks as quick as those that are there"
+    return f"if {' and '.join(names)}, no printed time would be moved{worst}{quick}"
 
 
 def _between(line: Line, timetable: Timetable | None = None) -> Iterator[tuple[tuple[str, str], str]]:
@@ -200,23 +210,35 @@ def _between(line: Line, timetable: Timetable | None = None) -> Iterator[tuple[t
 
 
 def _draft(
-    line: Line, file: TimetableFile, name: str, times: LineTimes, empty: tuple[str, ...] = ()
+    line: Line,
+    file: TimetableFile,
+    name: str,
+    times: LineTimes,
+    empty: tuple[str, ...],
+    limit_s: int,
+    *,
+    by_print: bool,
 ) -> _Draft:
     timetable = timetable_of(file, name, line)
     printed = printed_calls(file, timetable)
-    return _Draft(file, timetable, printed, trains_to_arrange(line, timetable, printed, times), empty)
+    trains = trains_to_arrange(line, timetable, printed, times, limit_s, by_print=by_print)
+    return _Draft(file, timetable, printed, trains, empty, by_print)
 
 
-def _drafts(line: Line, file: TimetableFile, name: str, train: TrainType) -> Iterator[_Draft]:
-    """The day with the empty workings that each rule of the night adds."""
+def _drafts(line: Line, file: TimetableFile, name: str, train: TrainType, limit_s: int) -> Iterator[_Draft]:
+    """The day with the empty workings of each rule of the night; of many trains first with few choices of tracks,
+    then with more, where these do not do.
+    """
     timetable = timetable_of(file, name, line)
     times = line_times(line, train, timetable.head.dwell_min_s)
-    seen: list[TimetableFile] = []
+    days: list[tuple[TimetableFile, tuple[str, ...]]] = []
     for rule in NIGHTS:
         more, empty = with_empty_workings(file, timetable, line, times, rule)
-        if more not in seen:
-            seen.append(more)
-            yield _draft(line, more, name, times, empty)
+        if all(more != other for other, _ in days):
+            days.append((more, empty))
+    for by_print in (True, False) if len(file.trains) > CHOICE_TRAINS_MAX else (False,):
+        for more, empty in days:
+            yield _draft(line, more, name, times, empty, limit_s, by_print=by_print)
 
 
 def _added(trains: Sequence[TrainToArrange], arranged: Arranged) -> Iterator[tuple[str, str, int]]:

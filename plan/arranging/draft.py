@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
-from itertools import combinations, pairwise
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Final
 
 from network.errors import InputError
@@ -15,9 +15,28 @@ from network.model import Line, SectionKind, Station
 from network.timetable import AtPortal, Call, CallKind, FromTrain, Timetable, TimetableTrain, platform_of
 from plan.arranging.line_times import LineTimes
 from plan.arranging.problem import Standing, TrainToArrange, Visit
+from plan.arranging.windows import windows_s
 
 WITHIN_S: Final = 2700  # assumed: a train of which nothing is printed runs within so much of its first draft
 OPERATIONAL_STAY_S: Final = 10  # assumed: a train that only waits for another
+BESIDE_S: Final = (
+    300  # assumed: so late a train may be where another one needs its track; with a wider limit that, up to
+)
+BESIDE_S_MAX: Final = 1200  # assumed: beyond it nearly all trains of a day could be beside each other
+
+
+@dataclass(frozen=True, slots=True)
+class _There:
+    """A train at a station, its usual track, and within which times it can have that, s."""
+
+    number: str
+    usual: str
+    from_s: int
+    to_s: int
+
+    def meets(self, other: _There) -> bool:
+        """Whether both could have it at once."""
+        return self.from_s <= other.to_s and other.from_s <= self.to_s
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,17 +73,24 @@ def _printed(call: Call, table: CallTable, revenue: bool, *, first: bool, last: 
 
 
 def trains_to_arrange(
-    line: Line, timetable: Timetable, printed: Mapping[str, tuple[PrintedCall, ...]], times: LineTimes
+    line: Line,
+    timetable: Timetable,
+    printed: Mapping[str, tuple[PrintedCall, ...]],
+    times: LineTimes,
+    limit_s: int = BESIDE_S,
+    *,
+    by_print: bool = False,
 ) -> list[TrainToArrange]:
-    """All trains of the day. Raises InputError where the line has no way for one."""
+    """All trains of the day, moved by `limit_s` at most. Raises InputError where the line has no way for one.
+
+    `by_print`: with a choice of tracks only beside trains that are there by print, as is enough on most days.
+    """
     turn_s = math.ceil(max(times.setup.turn_s, timetable.head.turn_min_s))
     found: list[TrainToArrange] = []
     turning = frozenset(train.calls[i].station_id for train in timetable.trains.values() for i in (0, -1))
-    overtaking = stations_to_overtake(line, timetable)
     for number, train in timetable.trains.items():
         try:
-            choice = turning | overtaking.get(number, frozenset())
-            visits = tuple(_visits(line, train, printed[number], times, choice))
+            visits = tuple(_visits(line, train, printed[number], times))
         except KeyError as missing:
             expected = f"a line with a way for it; there is none for {missing}"
             raise InputError(timetable.head.id, "trains", number, expected) from missing
@@ -84,30 +110,46 @@ def trains_to_arrange(
                 number, visits, follows, turn_s + leads_s[0], *window_s, enters=enters, leaves=leaves
             )
         )
-    return found
+    late_s = 0 if by_print else min(max(BESIDE_S, limit_s), BESIDE_S_MAX)
+    beside = stations_beside_another(found, late_s)
+    return [_with_choice(train, turning | beside.get(train.number, frozenset())) for train in found]
 
 
-def stations_to_overtake(line: Line, timetable: Timetable) -> dict[str, frozenset[str]]:
-    """By train: where it may overtake another, or be overtaken: from the last station that one of them leaves first
-    to the first that the other does.
+def _with_choice(train: TrainToArrange, choice: Collection[str]) -> TrainToArrange:
+    """The same with any track at these stations, and with the usual one elsewhere."""
+    visits = [
+        visit if visit.station_id in choice else replace(visit, tracks=visit.tracks[:1])
+        for visit in train.visits
+    ]
+    return replace(train, visits=tuple(visits))
+
+
+def stations_beside_another(
+    trains: Sequence[TrainToArrange], late_s: int = BESIDE_S
+) -> dict[str, frozenset[str]]:
+    """By train: where it could be at once with another that usually has the same track, or with two that do.
+
+    As long as a train can have its track by print, and `late_s` longer: from leaving the place before until it is at
+    the next one. So one follows, overtakes or meets another. With no `late_s` only what is there by print counts.
     """
+    there: dict[str, list[_There]] = defaultdict(list)
+    for train in trains:
+        windows = windows_s(train, late_s)
+        places = [i for i, visit in enumerate(train.visits) if visit.tracks]
+        for before, here, after in zip([places[0], *places], places, [*places[1:], places[-1]], strict=False):
+            comes_s, _, to_s = windows[here]
+            from_s = windows[before][1] if late_s and before != here else comes_s
+            until_s = to_s + (windows[after][0] - windows[here][1] if late_s and after != here else 0)
+            visit = train.visits[here]
+            there[visit.station_id].append(_There(train.number, visit.tracks[0], from_s, until_s))
     found: dict[str, set[str]] = defaultdict(set)
-    order = {
-        train.number: {call.station_id: call.last_s for call in train.calls}
-        for train in timetable.trains.values()
-    }
-    for one, other in combinations(timetable.trains.values(), 2):
-        if one.direction is not other.direction:
-            continue
-        ours, theirs = order[one.number], order[other.number]
-        common = [name for name in ours if name in theirs]
-        for here, there in pairwise(common):
-            if (ours[here] < theirs[here]) == (ours[there] < theirs[there]):
+    for station_id, all_there in there.items():
+        for one, other in combinations(all_there, 2):
+            if one.usual != other.usual or not one.meets(other):
                 continue
-            ends_m = sorted(line.stations[name].position_m for name in (here, there))
-            between = {s.id for s in line.stations.values() if ends_m[0] <= s.position_m <= ends_m[1]}
-            found[one.number] |= between
-            found[other.number] |= between
+            for third in all_there if late_s else (one, other):
+                if third.meets(one) and third.meets(other):
+                    found[third.number].add(station_id)
     return {number: frozenset(stations) for number, stations in found.items()}
 
 
@@ -116,12 +158,8 @@ def _visits(
     train: TimetableTrain,
     calls: tuple[PrintedCall, ...],
     times: LineTimes,
-    choice: Collection[str],
 ) -> Iterator[Visit]:
-    """A visit for every station of its way, those too that it runs through and of which the print says nothing.
-
-    At the stations of `choice` it may have any track, elsewhere the usual one.
-    """
+    """A visit for every station of its way, those too that it runs through and of which the print says nothing."""
     by_station = {call.call.station_id: call for call in calls}
     before: Station | None = None
     place: Station | None = None
@@ -129,8 +167,6 @@ def _visits(
         call = by_station.get(station.id)
         run = None if before is None else times.run(train.direction, before.id, station.id)
         tracks = _tracks(line, station, train, call)
-        if station.id not in choice:
-            tracks = tracks[:1]
         leg = None
         if tracks and place is not None:
             leg = times.leg(train.direction, place.id, station.id)
@@ -143,6 +179,7 @@ def _visits(
             run,
             leg,
             tracks,
+            times.slower(train.direction, station.id),
         )
         before = station
         place = station if tracks else place

@@ -7,15 +7,15 @@ each run between two neighbours is known for all four ways of being at its ends.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Final
 
-from network.model import Direction, Line, SectionKind, Station
-from network.timetable import Call, CallKind, Diagram, Stabled, TimetableTrain, no_trains
+from network.model import Direction, Line, PlatformTrack, SectionKind, Station
+from network.timetable import Call, CallKind, Diagram, Stabled, TimetableTrain, no_trains, platform_of
 from onboard.authority.tables import REFUSED_REPEAT_S
-from plan.arranging.problem import ByStanding, Leg, RunSeconds
+from plan.arranging.problem import ByStanding, Leg, RunSeconds, SlowerTrack
 from simulation.setup import Setup
 from study.capacity.journey import TrainJourney
 from study.capacity.legs import SetLeg, legs_of, places_of
@@ -39,7 +39,9 @@ class LineTimes:
 
     `runs`: s, by direction, both stations and how the train is there. `leads`, `lags`, s, by direction, the leg's
     places (station ids) and whether the train stands where it leaves (comes). `ways`: sections between the places.
-    `overlaps`: what it has alone as it comes in; from `enters` before it comes until `stood` after.
+    `overlaps`: what it has alone as it comes in; from `enters` before it comes until `stood` after. `longer`: how much
+    longer a run takes that ends on a track (section id), or leaves it, than on the usual one, s, by direction, station,
+    track, whether it leaves it and whether the train stands there.
     """
 
     setup: Setup
@@ -64,6 +66,22 @@ class LineTimes:
     stood: dict[tuple[Direction, str, str, bool], float] = field(
         default_factory=dict[tuple[Direction, str, str, bool], float]
     )
+
+    longer: dict[tuple[Direction, str, str, bool, bool], int] = field(
+        default_factory=dict[tuple[Direction, str, str, bool, bool], int]
+    )
+
+    def slower(self, direction: Direction, station_id: str) -> tuple[SlowerTrack, ...]:
+        """The tracks of a station to or from which a train takes longer than to or from the usual one."""
+        tracks = dict.fromkeys(
+            track for way, name, track, *_ in self.longer if (way, name) == (direction, station_id)
+        )
+
+        def by(track: str, *, leaves: bool) -> ByStanding:
+            key = direction, station_id, track, leaves
+            return ByStanding(self.longer.get((*key, True), 0), self.longer.get((*key, False), 0))
+
+        return tuple(SlowerTrack(track, by(track, leaves=False), by(track, leaves=True)) for track in tracks)
 
     def run(self, direction: Direction, from_id: str, to_id: str) -> RunSeconds:
         """From one station to the next, whole seconds up. KeyError where the line has no such way."""
@@ -108,6 +126,7 @@ def line_times(line: Line, train: TrainType, dwell_min_s: float) -> LineTimes:
         stations = _stations(line, direction)
         for stops in _patterns(len(stations)):
             _measure(found, direction, stations, stops)
+        _measure_other_tracks(found, direction, stations)
     return found
 
 
@@ -132,12 +151,7 @@ def _patterns(count: int) -> Iterator[tuple[bool, ...]]:
 def _measure(
     found: LineTimes, direction: Direction, stations: Sequence[Station], stops: Sequence[bool]
 ) -> None:
-    line = found.setup.line
-    train = TimetableTrain("1", direction, False, _calls(stations, stops), Stabled(), Stabled())
-    kind = found.setup.trains[""]
-    timetable = no_trains(line, found.setup.timetable.head.dwell_min_s)
-    timetable = type(timetable)(timetable.head, {"1": train}, (Diagram("1", ("1",)),))
-    setup = Setup("measured", line, timetable, {"1": kind})
+    setup = _alone(found, direction, _calls(stations, stops))
     theory = Theory(setup, ALONE)
     journeys = theory.journeys()
     if not journeys["1"]:
@@ -146,8 +160,64 @@ def _measure(
     for before, after, standings, run_s in _runs(planned_day(setup).trains["1"][0]):
         found.runs.setdefault((direction, before, after, standings), run_s)
     at = {name: (come_s, left_s, stands) for name, (come_s, left_s), stands in times}
-    for leg in legs_of(theory.of_day(journeys), places_of(line)):
+    for leg in legs_of(theory.of_day(journeys), places_of(setup.line)):
         _note(found, direction, leg, at)
+
+
+def _alone(found: LineTimes, direction: Direction, calls: Sequence[Call]) -> Setup:
+    """One train on the line."""
+    train = TimetableTrain("1", direction, False, tuple(calls), Stabled(), Stabled())
+    timetable = no_trains(found.setup.line, found.setup.timetable.head.dwell_min_s)
+    timetable = type(timetable)(timetable.head, {"1": train}, (Diagram("1", ("1",)),))
+    return Setup("measured", found.setup.line, timetable, {"1": found.setup.trains[""]})
+
+
+def _measure_other_tracks(found: LineTimes, direction: Direction, stations: Sequence[Station]) -> None:
+    """At every second station on another track, so that each run has it at one of its ends."""
+    others = [_other_tracks(found.setup.line, station, direction) for station in stations]
+    stops_at = [(True,) * len(stations), tuple(i in (0, len(stations) - 1) for i in range(len(stations)))]
+    for rank in range(max(map(len, others), default=0)):
+        for parity in (0, 1):
+            tracks = [
+                own[rank] if i % 2 == parity and rank < len(own) else None for i, own in enumerate(others)
+            ]
+            for stops in stops_at if any(tracks) else ():
+                calls = [
+                    replace(call, track=None if track is None else track.name)
+                    for call, track in zip(_calls(stations, stops), tracks, strict=True)
+                ]
+                _compare(
+                    found,
+                    direction,
+                    calls,
+                    {s.id: t.section_id for s, t in zip(stations, tracks, strict=True) if t},
+                )
+
+
+def _other_tracks(line: Line, station: Station, direction: Direction) -> list[PlatformTrack]:
+    """Those beside the usual one that a train may have."""
+    usual = platform_of(line, Call(station.id, None, None, 0), direction)
+    return [
+        track
+        for track in station.tracks
+        if direction in track.marks_m
+        and track.section_id != usual.section_id
+        and line.sections[track.section_id].kind is SectionKind.TRACK
+    ]
+
+
+def _compare(
+    found: LineTimes, direction: Direction, calls: Sequence[Call], tracks: Mapping[str, str]
+) -> None:
+    """How much longer each run takes by these tracks than by the usual ones."""
+    day = planned_day(_alone(found, direction, calls))
+    for before, after, standings, run_s in _runs(day.trains["1"][0]) if day.trains["1"] else ():
+        usual_s = found.runs.get((direction, before, after, standings))
+        longer_s = 0 if usual_s is None else math.ceil(run_s) - math.ceil(usual_s)
+        for station_id, leaves in ((before, True), (after, False)):
+            if station_id in tracks and longer_s > 0:
+                key = direction, station_id, tracks[station_id], leaves, standings[not leaves]
+                found.longer[key] = max(found.longer.get(key, 0), longer_s)
 
 
 def _note(

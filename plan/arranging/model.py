@@ -27,7 +27,7 @@ from plan.arranging.problem import (
     Visit,
 )
 from plan.arranging.telling import FoundSoFar, Tell
-from plan.arranging.windows import earliest_s, latest_each_s, latest_s
+from plan.arranging.windows import windows_s
 
 SEED: Final = 1
 REACH_S: Final = 4 * 3600  # assumed: nobody would call it the same train that is moved by more
@@ -49,6 +49,7 @@ SLOWER_SHARE: Final = (
     0.25  # how much longer a run may take that ends in running through, so that it need not stop
 )
 DAY_BEGINS_S: Final = -3600
+NIGHT_S: Final = 3600  # after the last train, in which sets stand over
 PORTAL_S: Final = 180  # assumed: from a portal to leaving the station behind it, with the stop there, or back
 ANOTHER: Final = "+"  # stands for the section of a track that a station does not have
 BEYOND_TEXT: Final = f", a second beyond the limit as {BEYOND_COST // SECOND}"
@@ -118,7 +119,11 @@ class ArrangeModel:
         self._cost: list[cp_model.LinearExpr | IntVar] = []
         self._move_costs: list[cp_model.LinearExpr | IntVar] = []  # as in `search.cost_of`
         self._moves: list[tuple[TrainToArrange, Visit, str, int, IntVar | int]] = []
-        self._ends_s = max(latest_s(train) for train in trains) + 2 * reach_s
+        self._windows: Final = {train.number: windows_s(train, reach_s) for train in trains}
+        # sets that stand over stand there after all trains have come, whatever they wait for on their way
+        last_s = [own[-1][2] for own in self._windows.values()]
+        last_s += [own[-1].departure_s for own in self._settled_at.values()]
+        self._ends_s = max(last_s) + NIGHT_S
         self.vars: Final = {
             train.number: _settled_vars(train, self._settled_at[train.number])
             if train.number in self._settled_at
@@ -140,23 +145,19 @@ class ArrangeModel:
 
     def _train(self, train: TrainToArrange) -> list[_VisitVars]:
         found: list[_VisitVars] = []
-        reach_s = max(self._reach_s, train.until_s - train.from_s)
-        soonest_s = earliest_s(train)
-        by_then_s = latest_each_s(train, soonest_s, reach_s)
-        for index, (visit, (comes_s, leaves_s), to_s) in enumerate(
-            zip(train.visits, soonest_s, by_then_s, strict=True)
-        ):
+        windows = zip(train.visits, self._windows[train.number], strict=True)
+        for index, (visit, (comes_s, leaves_s, to_s)) in enumerate(windows):
             name = f"{train.number} {visit.station_id}"
             arrives = self.model.new_int_var(comes_s, to_s, f"{name} a")
             departs = self.model.new_int_var(leaves_s, to_s, f"{name} d")
             stands = self.model.new_bool_var(f"{name} stands") if visit.standing is Standing.MAY else None
             one = _VisitVars(visit, arrives, departs, stands)
+            for track in visit.tracks if len(visit.tracks) > 1 else ():
+                one.tracks[track] = self.model.new_bool_var(f"{name} {track}")
             self._stay(one, last=index in (0, len(train.visits) - 1))
             if found:
                 self._run(found[-1], one)
             self._print(train, one)
-            for track in visit.tracks if len(visit.tracks) > 1 else ():
-                one.tracks[track] = self.model.new_bool_var(f"{name} {track}")
             found.append(one)
         return found
 
@@ -177,10 +178,12 @@ class ArrangeModel:
             if not (before.visit.can(from_stands) and one.visit.can(to_stands)):
                 continue
             literals = [*_if(before, stands=from_stands), *_if(one, stands=to_stands)]
-            self.model.add(one.arrives >= before.departs + run_s).only_enforce_if(literals)
+            longer = _longer(before, stands=from_stands, leaves=True)
+            departs = sum([*longer, *_longer(one, stands=to_stands, leaves=False)], start=before.departs)
+            self.model.add(one.arrives >= departs + run_s).only_enforce_if(literals)
             if not to_stands:
                 slowest_s = run_s + round(SLOWER_SHARE * run_s)
-                self.model.add(one.arrives <= before.departs + slowest_s).only_enforce_if(literals)
+                self.model.add(one.arrives <= departs + slowest_s).only_enforce_if(literals)
 
     def _print(self, train: TrainToArrange, one: _VisitVars) -> None:
         visit = one.visit
@@ -455,3 +458,9 @@ def _if(one: _VisitVars, *, stands: bool) -> list[cp_model.LiteralT]:
     if one.stands is None:
         return []
     return [one.stands if stands else ~one.stands]
+
+
+def _longer(one: _VisitVars, *, stands: bool, leaves: bool) -> list[cp_model.LinearExpr]:
+    """How much longer the run there (from there) takes on the track that is chosen, s, in parts."""
+    longer = {track: one.visit.longer_s(track, stands=stands, leaves=leaves) for track in one.tracks}
+    return [by_s * one.tracks[track] for track, by_s in longer.items() if by_s]

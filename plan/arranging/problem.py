@@ -69,11 +69,20 @@ class Leg:
 
 
 @dataclass(frozen=True, slots=True)
+class SlowerTrack:
+    """How much longer a train takes to a track (section id) than to the usual one of its station, and from it, s."""
+
+    section_id: str
+    comes: ByStanding
+    leaves: ByStanding
+
+
+@dataclass(frozen=True, slots=True)
 class Visit:
-    """A train at a station of its way. `run`: from the station before; None at the first.
+    """A train at a station of its way. `run`: from the station before, by the usual tracks; None at the first.
 
     `leg` ends here where the station has tracks of its own, and the train stood on others before; `tracks` are those
-    (section ids) that it may have, the usual one first.
+    (section ids) that it may have, the usual one first, of which some are `slower`.
     """
 
     station_id: str
@@ -84,6 +93,15 @@ class Visit:
     run: RunSeconds | None = None
     leg: Leg | None = None
     tracks: tuple[str, ...] = ()
+    slower: tuple[SlowerTrack, ...] = ()
+
+    def longer_s(self, track: str | None, *, stands: bool, leaves: bool) -> int:
+        """How much longer than on the usual track a run takes that ends on this one, or leaves it."""
+        for one in self.slower:
+            if one.section_id == track:
+                by = one.leaves if leaves else one.comes
+                return by.stands if stands else by.passes
+        return 0
 
     def can(self, stands: bool) -> bool:
         """Whether a train may stand (run through) here."""

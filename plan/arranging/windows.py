@@ -12,6 +12,16 @@ from plan.arranging.problem import Standing, TrainToArrange, Visit
 WAITS_S: Final = 3600  # assumed: a train may wait so long on its way to an end of which no time is printed
 
 
+def windows_s(train: TrainToArrange, reach_s: int) -> list[tuple[int, int, int]]:
+    """Of each visit when a train can come and leave at the earliest, and when it leaves at the latest, s.
+
+    `reach_s`: so much after print; a train of which nothing is printed has all the time in which it may run.
+    """
+    soonest_s = earliest_s(train)
+    latest = _latest_each_s(train, soonest_s, max(reach_s, train.until_s - train.from_s))
+    return [(*soon_s, by_then_s) for soon_s, by_then_s in zip(soonest_s, latest, strict=True)]
+
+
 def earliest_s(train: TrainToArrange) -> list[tuple[int, int]]:
     """When a train can come and leave at the earliest, s, leaving as printed where it can."""
     found: list[tuple[int, int]] = []
@@ -30,7 +40,7 @@ def earliest_s(train: TrainToArrange) -> list[tuple[int, int]]:
     return found
 
 
-def latest_each_s(train: TrainToArrange, soonest_s: Sequence[tuple[int, int]], reach_s: int) -> list[int]:
+def _latest_each_s(train: TrainToArrange, soonest_s: Sequence[tuple[int, int]], reach_s: int) -> list[int]:
     """When a train leaves each of its visits at the latest, s: so much after print, and in time for what follows."""
     found: list[int] = []
     follows: Visit | None = None
@@ -55,9 +65,3 @@ def _begins_s(train: TrainToArrange) -> int:
     printed_s = [s for visit in train.visits for s in (visit.arrival_s, visit.departure_s) if s is not None]
     least_s = sum(visit.run.stop_stop + visit.stay_s for visit in train.visits if visit.run is not None)
     return train.from_s if not printed_s else printed_s[0] - least_s
-
-
-def latest_s(train: TrainToArrange) -> int:
-    """The last time, s, that is printed of a train, or by which it is or can be at its end."""
-    printed_s = [s for v in train.visits for s in (v.arrival_s, v.departure_s) if s is not None]
-    return max(*printed_s, train.until_s, earliest_s(train)[-1][0])

@@ -99,12 +99,14 @@ def soonest(
     `after_s`: see `comes_in_after`.
     """
     found = [visits[0]]
-    for visit, (before, here) in zip(train.visits[1:], pairwise(visits), strict=True):
+    for (left, visit), (before, here) in zip(pairwise(train.visits), pairwise(visits), strict=True):
         run_s = next(
             s
             for one, other, s in (visit.run.ways() if visit.run else ())
             if (one, other) == (before.stands, here.stands)
         )
+        run_s += left.longer_s(before.track, stands=before.stands, leaves=True)
+        run_s += visit.longer_s(here.track, stands=here.stands, leaves=False)
         arrives_s = here.arrival_s
         goes_on = (
             train.leaves is not None and visit is train.visits[-1]

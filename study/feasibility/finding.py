@@ -173,7 +173,7 @@ class Feasibility:
             return f"late: it runs, but not as printed; {latest.text}"
         places = len({f.place for f in self.findings})
         return (
-            f"tight: it runs as printed, without room at {places} places"
+            f"tight: it runs as printed, without room at {places} place{'s' if places > 1 else ''}"
             if places
             else "good: it runs as printed"
         )

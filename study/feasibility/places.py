@@ -47,15 +47,24 @@ def where_to_pass(line: Line, position_m: float, but: str | None) -> str:
 
 
 def free_track(line: Line, clash: HoldingConflict, by_section: Mapping[str, list[Hold]]) -> str | None:
-    """A track of the same station that the second train can reach and that nobody else holds then; None without."""
+    """A track of the same station that the second train can reach and that nobody else holds then; None without.
+
+    With a platform where its passengers get on or off.
+    """
     second = clash.second
     train = second.trains[0]
     station = station_of(line, clash.section_id)
     before = next((r.from_section for r in train.routes if r.to_section == clash.section_id), None)
     if station is None or before is None:
         return None
+    stops = [
+        node.target for one in second.trains for node in one.nodes if node.section_id == clash.section_id
+    ]
+    passengers = any(target is not None and target.passengers for target in stops)
     for track in station.tracks:
         if track.section_id == clash.section_id or train.direction not in track.marks_m:
+            continue
+        if passengers and track.platform_m is None:
             continue
         others = by_section.get(track.section_id, [])
         occupied = any(

@@ -64,6 +64,19 @@ def test_a_plan_that_cannot_work_is_shown_with_train_place_and_minute(
     assert (figures["outcome"], figures["impossible"], figures["tight"]) == ("broken", 2, 0)
 
 
+@pytest.mark.parametrize("free", [True, False])
+def test_a_track_that_is_free_has_a_platform_where_passengers_get_on(
+    main: Callable[..., Any], valley: Callable[..., None], free: bool
+) -> None:
+    """Both are on track 1; the up train's stop at Mori is one for passengers, or only to let the other pass."""
+    platform = ('section = "MRI.2", platform_from_km = 2.96, platform_to_km = 3.04,', 'section = "MRI.2",')
+    operational = ('"MRI", track = "2"', '"MRI", operational = true, track = "1"')
+    valley(platform, *([operational] if free else []), ONE_TRACK)
+    checked = main("check", "valley_day.toml")
+    assert checked.code == 1
+    assert ("track 2 is free then" in checked.out) is free, checked.out
+
+
 def test_one_cause_is_told_once_and_other_causes_are_not_left_out(capfd: pytest.CaptureFixture[str]) -> None:
     """30 trains on one leg that is too fast; a set that stays, and another at the same station; two tags that lack."""
 

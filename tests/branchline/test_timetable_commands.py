@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shlex
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -192,6 +193,12 @@ def test_departures_alone_are_arranged_where_a_train_is_named(
         for c in t.calls[1:2]
     )
     assert (down[-1] > up[0]) == ("not" not in said)
+    for follow in re.findall(r"moves a printed time by (\d+) s: branchline (.*)", ended.out):
+        *command, limit_s = shlex.split(follow[1])
+        assert (command[-1], limit_s) == ("--limit", follow[0])
+        assert main(*command, limit_s).code == 0
+        assert main(*command, str(int(limit_s) - 1)).code == 1
+    assert ("branchline arrange" in ended.out) == ("not" in said)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 
 from network.timetable import Call
 from plan.arranging import model
-from plan.arranging.draft import PrintedCall
+from plan.arranging.draft import PrintedCall, stations_beside_another
 from plan.arranging.nearest import NothingFoundError, nearest_plan
 from plan.arranging.problem import (
     Arranged,
@@ -15,6 +15,7 @@ from plan.arranging.problem import (
     ByStanding,
     Leg,
     PrintedMove,
+    SlowerTrack,
     Standing,
     TrainToArrange,
     Visit,
@@ -288,6 +289,18 @@ def test_a_set_that_ends_its_day_stands_there_for_the_night() -> None:
         nearest_plan([trains], limit_s=300)
 
 
+@pytest.mark.parametrize("limit_s", [0, 300])
+def test_nobody_waits_on_the_way_until_the_night_is_over(limit_s: int) -> None:
+    """The second could wait at the loop, of which nothing is printed, but B has one track, and a set on it for good."""
+    loop = _visit("L", tracks=("L.1",))
+    trains = [
+        _train(str(n), _visit("A", departure_s=NOON + 3600 * n, tracks=(f"A.{n}",)), loop, _visit("B"))
+        for n in (1, 2)
+    ]
+    with pytest.raises(NothingFoundError):
+        nearest_plan([trains], limit_s)
+
+
 def test_a_train_takes_another_track_where_its_own_is_taken() -> None:
     """Two that end at B for the night, each with both tracks to choose from: not both on the usual one."""
     both = ("B.1", "B.2")
@@ -297,3 +310,51 @@ def test_a_train_takes_another_track_where_its_own_is_taken() -> None:
     ]
     plan = nearest_plan([trains], limit_s=300).arranged
     assert {plan.visits[number][-1].track for number in ("1", "2")} == set(both)
+
+
+def _follower(after_s: int, number: str = "2", usual: str = "L.1") -> TrainToArrange:
+    at_loop = _visit("L", departure_s=NOON + after_s + 400, tracks=(usual, "L.3"))
+    return _train(number, _visit("A", departure_s=NOON + after_s), at_loop, _visit("B"))
+
+
+def _beside_at_loop(*trains: TrainToArrange, late_s: int = 300) -> list[str]:
+    return [number for number, where in stations_beside_another(trains, late_s).items() if "L" in where]
+
+
+def test_tracks_are_chosen_where_two_with_the_same_could_be_at_once() -> None:
+    """The first leaves L 400 s after noon, has its track for the 300 s to B, and may be 300 s late: until 1,000 s. The
+    second needs it from when it leaves A, 300 s before it comes.
+    """
+    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(1000))) == ["1", "2"]
+    assert _beside_at_loop(_follower(0, "1"), _follower(1001)) == []
+    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(1001), late_s=301)) == ["1", "2"]
+    assert _beside_at_loop(_follower(0, "1"), _follower(0, usual="L.2")) == []
+
+
+def test_by_print_alone_tracks_are_chosen_where_two_are_there_at_once() -> None:
+    """The first is at L from 300 to 400 s after noon, the second comes 300 s after it leaves A."""
+    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(100), late_s=0)) == ["1", "2"]
+    assert _beside_at_loop(_follower(0, "1"), _follower(101), late_s=0) == []
+
+
+def test_an_opposing_train_with_the_same_track_may_take_another() -> None:
+    assert sorted(_beside_at_loop(_follower(0, "1"), _up(NOON + 300, _visit("L")))) == ["1", "2"]
+
+
+def test_who_stands_on_the_other_track_of_two_may_make_way() -> None:
+    up = _up(NOON + 300, _visit("L", tracks=("L.2", "L.3")))
+    assert sorted(_beside_at_loop(_follower(0, "1"), _follower(0, "3"), up)) == ["1", "2", "3"]
+
+
+@pytest.mark.parametrize(("only", "moved_s"), [("L.1", 0), ("L.2", 12), ("both", 0)])
+def test_a_run_takes_longer_on_a_slower_track(only: str, moved_s: int) -> None:
+    """To stand on L.2 takes 5 s longer, and to go on from there 7 s; printed is what it takes by L.1."""
+    slower = (SlowerTrack("L.2", ByStanding(5, 3), ByStanding(7, 2)),)
+    tracks = ("L.1", "L.2") if only == "both" else (only, "L.3")
+    loop = _visit("L", tracks=tracks, slower=slower)
+    train = _train("1", _visit("A", departure_s=NOON), loop, _visit("B", arrival_s=NOON + 620))
+    taken = [_train("2", _visit("A", departure_s=NOON - 900, tracks=("A.2",)), _visit("L", tracks=("L.3",)))]
+    plan = nearest_plan([[train, *taken]], limit_s=300).arranged
+    assert sum(move.by_s for move in plan.moves) == moved_s
+    arrives_s = NOON + 300 + (5 if only == "L.2" else 0)
+    assert soonest(train, plan.visits["1"], {})[1].arrival_s == arrives_s
