@@ -90,14 +90,6 @@ def convert(plain: PlainXml, line_id: str, scratch: Path | None = None) -> bytes
         return _tidy(output.read_bytes(), plain.digest)
 
 
-def committed_net(line_id: str) -> Path:
-    """The net shipped for a line. Raises InputError when there is none."""
-    path = _shipped(line_id)
-    if path is None:
-        raise InputError(f"line {line_id}", "net", None, "one of the lines shipped with a net")
-    return path
-
-
 def net_for(line: Line, cache_dir: Path, roads: Sequence[RoadAt] = ()) -> Path:
     """A net that belongs to this very line: the shipped one, one built before, or a new one in `cache_dir`.
 
@@ -105,7 +97,7 @@ def net_for(line: Line, cache_dir: Path, roads: Sequence[RoadAt] = ()) -> Path:
     Raises InputError when the line differs from the shipped one and netconvert is not installed.
     """
     plain = with_roads(write_plain(line), line, roads) if roads else write_plain(line)
-    shipped = _shipped(line.id)
+    shipped = shipped_net(line.id)
     if shipped is not None and net_digest(shipped) == plain.digest:
         return shipped
     cached = cache_dir / f"{line.id}-{plain.digest}.net.xml"
@@ -132,7 +124,8 @@ def write_net(folder: Path, line: Line) -> Path:
     return path
 
 
-def _shipped(line_id: str) -> Path | None:
+def shipped_net(line_id: str) -> Path | None:
+    """The net shipped for a line; None where there is none."""
     folder = Path(str(resources.files("sumo_cfg"))) / "nets"
     for path in (folder / f"{line_id}.net.xml", folder / f"{line_id}.net.xml.gz"):
         if path.is_file():

@@ -147,8 +147,10 @@ def _shape(line: Line, piece: Piece, positions: Positions) -> Array:
         piece, alignment, BEND_SPACING_M_MAX if bends else SAMPLE_SPACING_M_MAX
     )
     centre = positions(alignment, kilometrage_m, 0.0)
-    right = positions(alignment, kilometrage_m, 1.0) - centre
     offset_m = lateral_m(line, piece, kilometrage_m)
+    if not offset_m.any():
+        return centre
+    right = positions(alignment, kilometrage_m, 1.0) - centre
     return np.asarray(centre + right * offset_m[:, None], dtype=np.float64)
 
 

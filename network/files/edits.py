@@ -210,6 +210,8 @@ def entry_name(item: object, index: int) -> str:
 
 def differences(file: str, old: object, new: object, path: str = "") -> Iterator[Change]:
     """What differs between two states of a file's data, value by value; entries of lists by what they are called."""
+    if old == new:
+        return
     if is_table(old) and is_table(new):
         for key in dict.fromkeys((*old, *new)):
             yield from differences(file, old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
@@ -222,7 +224,7 @@ def differences(file: str, old: object, new: object, path: str = "") -> Iterator
         else:
             yield from (Change(file=file, key=path, old=item, new=None) for item in old if item not in new)
             yield from (Change(file=file, key=path, old=None, new=item) for item in new if item not in old)
-    elif old != new:
+    else:
         yield Change(file=file, key=path, old=old, new=new)
 
 

@@ -51,6 +51,11 @@ def _unseen(character: str) -> bool:
     return unicodedata.category(character) in _UNSEEN and character not in _JOINERS
 
 
+def _has_unseen(text: str) -> bool:
+    """What can all be printed, as nearly every text can, is looked through at once."""
+    return not text.isprintable() and any(map(_unseen, text))
+
+
 def _identifier(text: str) -> str:
     if not is_identifier(text):
         raise ValueError(IDENTIFIER_HELP)
@@ -58,13 +63,13 @@ def _identifier(text: str) -> str:
 
 
 def _title(text: str) -> str:
-    if len(text) > TITLE_LENGTH_MAX or any(map(_unseen, text)):
+    if len(text) > TITLE_LENGTH_MAX or _has_unseen(text):
         raise ValueError(TITLE_HELP)
     return text
 
 
 def _prose(text: str) -> str:
-    if len(text) > PROSE_LENGTH_MAX or any(_unseen(c) for c in text if c not in "\n\t"):
+    if len(text) > PROSE_LENGTH_MAX or _has_unseen(text.replace("\n", "").replace("\t", "")):
         raise ValueError(f"text of at most {PROSE_LENGTH_MAX} {_SEEN_HELP}")
     return text
 

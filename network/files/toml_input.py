@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -41,6 +43,13 @@ def parse_toml(text: str, file: str, model: type[ModelT]) -> ModelT:
 
 def parse_table(text: str, file: str) -> dict[str, Any]:
     """Parse `text` as TOML; `file` names the source in the InputError."""
+    table: dict[str, Any] = pickle.loads(_parsed(text, file))
+    return table
+
+
+@lru_cache(maxsize=32)
+def _parsed(text: str, file: str) -> bytes:
+    """What is read again and again, as for each day of a sweep, is parsed once; every reader has tables of its own."""
     try:
         data = tomllib.loads(text)
     except RecursionError as error:
@@ -48,7 +57,7 @@ def parse_table(text: str, file: str) -> dict[str, Any]:
     except ValueError as error:  # of tomllib, or of a whole number with more digits than Python reads
         raise InputError(file, "", None, f"valid TOML: {error}") from error
     check_nesting(file, data, "TOML")
-    return data
+    return pickle.dumps(data)
 
 
 def validate(table: Mapping[str, Any], file: str, model: type[ModelT]) -> ModelT:

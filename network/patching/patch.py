@@ -89,16 +89,6 @@ def load_patched_line(path: Path, patch: Mapping[str, Any], patch_file: str) -> 
     return patched_line(path, [PatchInFile(patch, patch_file, KEY)])[0]
 
 
-def patch_line_data(data: Mapping[str, Any], patch: Mapping[str, Any], file: str) -> Data:
-    """The parsed TOML of a line file with a patch; `data` is left as it is.
-
-    `data` is that of a valid line file; `file` names the patch in errors. The result has a line file's shape;
-    what needs the whole line is checked by `network.files.line_file.line_of`. Raises InputError for an unknown
-    operation, track, id or key, and for a value of the wrong type.
-    """
-    return _patched(data, PatchInFile(patch, file, KEY))[0].data
-
-
 def _patched(data: Mapping[str, Any], asked: PatchInFile) -> tuple[Patched, LineFile]:
     wanted, file = words_of(asked, LinePatch), asked.file
     entry = validate(data, file, LineFile)

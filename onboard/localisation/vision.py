@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from network.model import Direction, Line
+from network.model import Direction
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -249,16 +249,6 @@ def search_window(
 def frame_rate_error_m(speed_mps: float, frame_rate_hz: float) -> float:
     """Equation 1: the way run in one frame, m. A row is exposed up to this far beyond where the frame began."""
     return speed_mps / frame_rate_hz
-
-
-def signs_of(line: Line, beyond_mark_m: float) -> tuple[StationSign, ...]:
-    """The station database: a sign `beyond_mark_m` past every stopping mark, in the direction it is for."""
-    return tuple(
-        StationSign(station.id, track.name, direction, mark_m + direction * beyond_mark_m, mark_m)
-        for station in line.stations.values()
-        for track in station.tracks
-        for direction, mark_m in track.marks_m.items()
-    )
 
 
 def next_target(

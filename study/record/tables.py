@@ -64,7 +64,7 @@ class RunTables:
     @staticmethod
     def with_tables(**frames: pl.DataFrame) -> RunTables:
         """Some tables, and the others empty."""
-        return RunTables(**{name: make_table(name) for name in ROWS} | frames)
+        return RunTables(**{name: frames[name] if name in frames else make_table(name) for name in ROWS})
 
     def write(self, directory: Path) -> None:
         """Write one Parquet file a table; all are written aside before the first takes its name."""
@@ -156,11 +156,11 @@ def _read(directory: Path, name: str) -> pl.DataFrame:
 
 def _difference(frame: pl.DataFrame, row: type) -> str:
     """What tells the frame from the table of such rows, in words; empty when nothing does."""
-    schema = schema_of(row)
-    if list(frame.columns) != list(schema):
-        odd = sorted(set(frame.columns) ^ set(schema))
+    schema, held = schema_of(row), frame.schema
+    if list(held) != list(schema):
+        odd = sorted(set(held) ^ set(schema))
         return f"columns {odd} missing or unknown" if odd else f"columns are not in the order {list(schema)}"
     for column, dtype in schema.items():
-        if frame.schema[column] != dtype:
-            return f"column {column} holds {frame.schema[column]}, not {dtype.__name__}"
+        if held[column] != dtype:
+            return f"column {column} holds {held[column]}, not {dtype.__name__}"
     return ""

@@ -91,7 +91,8 @@ def test_a_roster_is_written_recounted_and_refused_with_a_number_changed(
 
 
 def test_equipment_for_so_many_trains_is_a_scenario_with_a_proof(main: Callable[..., Any]) -> None:
-    words = ("best", "equipment", WEEKDAY, "--trains", "2.5", "--without", "limits", "--without", "blocks")
+    left_out = ("--without", "limits", "--without", "blocks", "--without", "quick_radio")
+    words = ("best", "equipment", WEEKDAY, "--trains", "2.5", *left_out)
     found = main(*words, "--out", "loop.toml", "--proof", "why.json")
     assert found.code == 0, found.err
     assert "2.5 trains an hour each way, evenly spaced, cost 100: a loop at Niita; every 1287 s" in found.out

@@ -80,9 +80,7 @@ def eighteen() -> Iterator[str]:
 
 @pytest.mark.parametrize(
     ("seat", "language"),
-    others_nightly(
-        product(SEATS, ("en", "ja")), [*zip(SEATS, ("en", "ja", "en", "ja"), strict=True)], columns=True
-    ),
+    others_nightly(product(SEATS, ("en", "ja")), [(SEATS[0], "en"), (SEATS[-1], "ja")], columns=True),
 )
 def test_a_line_with_many_crossings_is_read_by_everybody(
     browser: Any,  # noqa: ANN401

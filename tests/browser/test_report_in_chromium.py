@@ -187,7 +187,8 @@ def report_with(trains: int, request: pytest.FixtureRequest) -> Path:
     return found
 
 
-@by_trains
+@pytest.mark.nightly
+@pytest.mark.parametrize("trains", [27, 500])
 def test_frames_a_second(
     browser: Browser,
     request: pytest.FixtureRequest,

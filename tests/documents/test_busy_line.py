@@ -14,7 +14,7 @@ from network.model import Direction, SectionKind
 from network.timetable import AtPortal, BecomesTrain, Timetable, load_timetable
 from scenario.scenario import load_scenario
 from study.feasibility.check import feasibility
-from sumo_cfg.build import committed_net, net_digest
+from sumo_cfg.build import net_digest, shipped_net
 from sumo_cfg.writer import write_plain
 from tests.plain import run_on_plain
 
@@ -28,7 +28,7 @@ def test_the_committed_file_is_what_the_generator_writes(path: Path) -> None:
 
 
 def test_the_committed_net_is_this_lines() -> None:
-    assert net_digest(committed_net(LINE_ID)) == write_plain(LINE).digest
+    assert net_digest(shipped_net(LINE_ID)) == write_plain(LINE).digest
 
 
 def test_six_stations_of_two_tracks_over_33_km() -> None:

@@ -17,7 +17,7 @@ from scenario.part_of_day import part_of_day
 from scenario.scenario import Scenario, load_scenario
 from study.feasibility.check import feasibility
 from study.runner.run import PartyLink, execute
-from sumo_cfg.build import committed_net, net_digest
+from sumo_cfg.build import net_digest, shipped_net
 from sumo_cfg.writer import write_plain
 
 DATA: Final = Path(__file__).resolve().parents[2] / "../shared/data"
@@ -47,7 +47,7 @@ def test_the_committed_scenario_is_what_is_written(path: Path) -> None:
 @each_line
 def test_the_committed_net_is_this_lines(real: RealLine) -> None:
     line = load_line(shipped_line(real.id))
-    assert net_digest(committed_net(real.id)) == write_plain(line).digest
+    assert net_digest(shipped_net(real.id)) == write_plain(line).digest
 
 
 @pytest.mark.nightly

@@ -10,7 +10,7 @@ from exchange.sumo_net import read_sumo_net
 from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
-from sumo_cfg.build import committed_net
+from sumo_cfg.build import shipped_net
 from sumo_cfg.scenery import scenery_xml
 
 # Toe at (100, 0): the stem from the west, a leg on to the east, a branch to the north; a road beside it.
@@ -101,7 +101,7 @@ def test_our_own_net_comes_back_as_the_line(name: str, tmp_path: Path) -> None:
     line = load_line(shipped_line(name))
     additional = tmp_path / "a.add.xml"
     additional.write_bytes(scenery_xml(line))
-    layout = read_sumo_net(committed_net(name), additional)
+    layout = read_sumo_net(shipped_net(name), additional)
     assert {t.id: (t.low_node, t.high_node, t.length_m) for t in layout.tracks} == {
         p.id: (p.low_node, p.high_node, pytest.approx(p.length_m, abs=1e-6)) for p in line.pieces.values()
     }

@@ -27,7 +27,6 @@ from papers.reproduction import CaseRow, Options
 from simulation.sensor_settings import BeaconTrust, Curvature, Filter
 from simulation.settings import PositionSensor
 from simulation.world.records import TRACE
-from tests.nightly import others_nightly
 
 
 def missed(rows: Sequence[CaseRow]) -> list[str]:
@@ -141,7 +140,8 @@ def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> Non
     assert "the same with " in missed(rows)  # what is worse than the filter off is not the filter in space
 
 
-@pytest.mark.parametrize("seed", others_nightly([1, 3], [1]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [1, 3])
 def test_wheels_alone_fail_by_far_whatever_the_seed(seed: int) -> None:
     """Over the slice of `--quick` they kept within 2 m with seed 3: it is what their train had learned them on."""
     place = mountain_line(stations=harada_accuracy.QUICK_STATIONS)

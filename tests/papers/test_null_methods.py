@@ -14,7 +14,7 @@ from vehicle.compiled import INTERPRETED
 # Whole days of a line, hundreds of runs or stops, scans.
 LONG: Final = {
     *("line-stops", "line-driving", "battery-day", "virtual-blocks", "stop-window", "harada-accuracy"),
-    *("oda-scale-track", "yasunobu-energy"),
+    *("oda-scale-track", "yasunobu-energy", "stop-statistics", "journeys"),
     *("position-compare", "position-fusion", "position-operations", "mochizuki-patterns", "mochizuki-speed"),
 }
 READS: Final = {"trainruns": trainruns.FOLDER, "ttobench": ttobench.FOLDER}

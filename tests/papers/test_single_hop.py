@@ -13,6 +13,7 @@ from onboard.records import NO_INTERVENTION
 from papers.single_hop import HopBench, HopWay, one_gradient
 from papers.single_run import new_hops
 from papers.yasunobu_train import HOP_M, ORDERS_S, paper_bench, paper_hops
+from tests.nightly import others_nightly
 from vehicle.mass import GRAVITY_MPS2, mass_kg
 from vehicle.optimum import TooShort
 
@@ -22,14 +23,16 @@ def course() -> HopBench:
     return paper_hops("hold_speed")
 
 
-def test_the_running_time_asked_for_comes_out_by_the_same_loop_for_every_law(course: HopBench) -> None:
-    for gradient_permille in (10.0, 0.0, -10.0):
-        for law in ("hold_speed", "follow_plan"):
-            for order_s in ORDERS_S:
-                found = paper_hops(law, gradient_permille).timed(order_s)
-                assert abs(found.off_s) <= 1.0
-                assert abs(found.outcome["error_m"]) < 0.5
-                assert found.outcome["intervention"] == NO_INTERVENTION
+@pytest.mark.parametrize("gradient_permille", others_nightly([10.0, 0.0, -10.0], [-10.0]))
+def test_the_running_time_asked_for_comes_out_by_the_same_loop_for_every_law(
+    course: HopBench, gradient_permille: float
+) -> None:
+    for law in ("hold_speed", "follow_plan"):
+        for order_s in ORDERS_S:
+            found = paper_hops(law, gradient_permille).timed(order_s)
+            assert abs(found.off_s) <= 1.0
+            assert abs(found.outcome["error_m"]) < 0.5
+            assert found.outcome["intervention"] == NO_INTERVENTION
     assert course.timed(course.least_s() + 0.5).off_s > 0.0  # no law makes it: the nearest is what there is
 
 

@@ -91,6 +91,7 @@ def test_what_a_factor_does_alone_has_the_sign_of_its_physics() -> None:
     assert effects["beacon_error"] < 0.0  # a beacon taken to lie further ahead puts the estimate ahead
 
 
+@pytest.mark.nightly
 def test_the_reproduction_judges_only_what_can_fail() -> None:
     result = reproduce(Options(quick=True))
     assert result.passed

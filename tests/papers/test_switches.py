@@ -124,7 +124,7 @@ def test_with_everything_in_place_every_row_passes(name: str) -> None:
     assert rows_that_fail(name) == (0, set())
 
 
-LONG: Final = ("stop-window", "oda-tuning")
+LONG: Final = ("stop-window", "oda-tuning", "stop-statistics")
 # The first switch of each other reproduction is tried in every run.
 FIRST: Final = {guarded.name: guarded for guarded in reversed(GUARDED) if guarded.name not in LONG}
 

@@ -16,41 +16,19 @@ from simulation.result import Ending
 from study.drilling.drill import find_drill
 from study.runner.run import CarrierKind, PartyLink, execute
 from tests.plain import run_on_plain
+from tests.trains import timetable_of
 
 HOUR_S = 3600
 
 # B comes to the track at Ogane that A left five minutes before; both are there, or on their way from it, at eight.
-FOLLOWING = """
-[timetable]
-id = "following"
-line = "karasuyama"
-
-[[trains]]
-number = "2A"
-direction = "up"
-begins = "stabled"
-ends = "stabled"
-calls = [{ station = "OGN", track = "2", departure = "07:50" }, { station = "HSK", arrival = "08:12" }]
-
-[[trains]]
-number = "4B"
-direction = "up"
-begins = "stabled"
-ends = "portal:HSK.MD"
-calls = [
-  { station = "KRS", departure = "07:30" },
-  { station = "OGN", track = "2", arrival = "07:55", departure = "08:05" },
-  { station = "HSK", arrival = "08:27" },
-]
-
-[[diagrams]]
-stock = "A"
-trains = ["2A"]
-
-[[diagrams]]
-stock = "B"
-trains = ["4B"]
-"""
+FOLLOWING = timetable_of(
+    "following",
+    "karasuyama",
+    "2A up, stabled to stabled: OGN 2 -/07:50; HSK 08:12/-",
+    "4B up, stabled to portal:HSK.MD: KRS -/07:30; OGN 2 07:55/08:05; HSK 08:27/-",
+    A="2A",
+    B="4B",
+)
 
 
 def begun_at(scenario: str, begins: str) -> dict[str, tuple[str, str | None, bool]]:
@@ -111,33 +89,13 @@ def test_a_set_begins_earlier_where_another_has_used_its_track(monkeypatch: pyte
 
 
 # After midnight without its day, which follows from what is before.
-NIGHT = """
-[timetable]
-id = "night"
-line = "karasuyama"
-
-[[trains]]
-number = "2A"
-direction = "up"
-begins = "stabled"
-ends = "becomes:1A"
-calls = [
-  { station = "KRS", departure = "23:30" },
-  { station = "OGN", track = "2", arrival = "23:52", departure = "00:05" },
-  { station = "HSK", arrival = "00:27" },
-]
-
-[[trains]]
-number = "1A"
-direction = "down"
-begins = "from:2A"
-ends = "stabled"
-calls = [{ station = "HSK", departure = "00:40" }, { station = "KRS", arrival = "01:20" }]
-
-[[diagrams]]
-stock = "A"
-trains = ["2A", "1A"]
-"""
+NIGHT = timetable_of(
+    "night",
+    "karasuyama",
+    "2A up, stabled to becomes:1A: KRS -/23:30; OGN 2 23:52/00:05; HSK 00:27/-",
+    "1A down, from:2A to stabled: HSK -/00:40; KRS 01:20/-",
+    A="2A 1A",
+)
 
 
 def test_a_train_is_on_its_day_without_what_is_before_midnight(tmp_path: Path) -> None:

@@ -105,11 +105,6 @@ def test_a_damaged_net_in_the_cache_is_built_again(tmp_path: Path, changed_line:
     assert build.net_for(changed_line, tmp_path).read_bytes() == whole
 
 
-def test_no_net_is_shipped_for_an_unknown_line() -> None:
-    with pytest.raises(InputError, match="line nowhere"):
-        build.committed_net("nowhere")
-
-
 @pytest.fixture
 def changed_line(line: Line, with_gradient: Callable[[Line, float], Line]) -> Line:
     return with_gradient(line, 12.0)
@@ -118,7 +113,7 @@ def changed_line(line: Line, with_gradient: Callable[[Line, float], Line]) -> Li
 @pytest.mark.parametrize("file", LINE_FILES, ids=lambda file: file.stem)
 def test_shipped_net_is_the_one_the_line_file_gives(file: Path, tmp_path: Path) -> None:
     line = load_line(file)
-    shipped = build.committed_net(line.id)
+    shipped = build.shipped_net(line.id)
     assert content(shipped) == build.build_net(line), "run: python -m sumo_cfg.build"
     assert build.net_for(line, tmp_path) == shipped
     assert list(tmp_path.iterdir()) == []
@@ -127,7 +122,7 @@ def test_shipped_net_is_the_one_the_line_file_gives(file: Path, tmp_path: Path) 
 @pytest.mark.parametrize("file", LINE_FILES, ids=lambda file: file.stem)
 def test_shipped_net_follows_the_line(file: Path, elevation: Callable[[Alignment, float], float]) -> None:
     line = load_line(file)
-    net = build.committed_net(line.id)
+    net = build.shipped_net(line.id)
     edges = read_net(net).edges
     assert len(edges) == 2 * len(line.pieces)
     for edge in ET.fromstring(content(net)).iterfind("edge"):

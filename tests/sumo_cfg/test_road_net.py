@@ -13,7 +13,7 @@ from network.files.crossing_road import LANE_WIDTH_M, CrossingRoad
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Line
-from sumo_cfg.build import committed_net, net_for
+from sumo_cfg.build import net_for, shipped_net
 from sumo_cfg.road_net import RoadAt, RoadPart, RoadWay
 from sumo_cfg.road_traffic import CAR, HEAVY, RoadVehicle, road_routes_xml
 from sumo_cfg.truth_map import read_net
@@ -45,7 +45,7 @@ def track(net: Path) -> Iterator[bytes]:
 
 
 def test_the_track_is_that_of_the_shipped_net_to_the_byte(rtri: Line, net: Path) -> None:
-    shipped = committed_net(rtri.id)
+    shipped = shipped_net(rtri.id)
     assert list(track(net)) == list(track(shipped))
     assert read_net(net) == read_net(shipped)
     assert read_net(net).edges.keys() == {f"{piece}{sign}" for piece in rtri.pieces for sign in "+-"}
@@ -56,7 +56,7 @@ def test_the_same_net_on_another_day(
 ) -> None:
     assert net_for(rtri, tmp_path, roads).read_bytes() == net.read_bytes()
     assert net_for(rtri, tmp_path, roads[:1]).name != net.name
-    assert net_for(rtri, tmp_path) == committed_net(rtri.id)
+    assert net_for(rtri, tmp_path) == shipped_net(rtri.id)
 
 
 def test_lanes_lie_to_the_left_of_the_middle_and_meet_the_track_where_they_say(

@@ -10,7 +10,7 @@ from network.alignment import positions
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Line
-from sumo_cfg.build import committed_net
+from sumo_cfg.build import shipped_net
 from sumo_cfg.scenery import scenery_xml, stop_id
 
 sumolib = pytest.importorskip("sumolib", reason="the extra net is not installed")
@@ -29,7 +29,7 @@ def points_of(root: ET.Element, start: str) -> dict[str, ET.Element]:
 def test_every_tag_and_mark_is_where_its_kilometrage_is(line: Line) -> None:
     """A point's `lane` and `pos`, walked along that lane's shape in the net, come out at the place on the alignment."""
     root = ET.fromstring(scenery_xml(line))
-    net = sumolib.net.readNet(str(committed_net(line.id)))
+    net = sumolib.net.readNet(str(shipped_net(line.id)))
     expected = {f"tag.{tag.id}": (tag.piece_id, tag.position_m) for tag in line.tags.values()}
     for station in line.stations.values():
         for track in station.tracks:
@@ -57,7 +57,7 @@ def test_every_tag_and_mark_is_where_its_kilometrage_is(line: Line) -> None:
 
 def test_ends_of_sections_and_points_are_at_their_nodes(line: Line) -> None:
     root = ET.fromstring(scenery_xml(line))
-    net = sumolib.net.readNet(str(committed_net(line.id)))
+    net = sumolib.net.readNet(str(shipped_net(line.id)))
 
     def place(poi: ET.Element) -> str:
         """The node at which a point lies."""

@@ -280,12 +280,6 @@ def compares_no_axles(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
-def stands_for_no_reason(patch: pytest.MonkeyPatch) -> None:
-    """Nobody looks again at a train that may drive on and stands (decision 055)."""
-    patch.setattr(UnitMotion, "_stands_idle", lambda _self: [])
-
-
-@switch
 def restarts_at_full_speed(patch: pytest.MonkeyPatch) -> None:
     obey = UnitMotion.obey
 

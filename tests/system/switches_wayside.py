@@ -259,11 +259,6 @@ def knows_not_who_relies_on_points(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
-def believes_an_empty_claim(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(reentry, "cannot_be_outside", lambda *_: False)
-
-
-@switch
 def staff_say_no_more_than_what_is_so(patch: pytest.MonkeyPatch) -> None:
     """People do not say of a silent train that it holds what their word cannot free."""
     patch.setattr(staff, "IN_STATION", "said by nobody")

@@ -14,43 +14,16 @@ from study.measures.day_figures import DayFigures, day_figures
 from study.runner.outcome import unfinished
 from study.runner.run import FinishedRun, PartyLink
 from tests.system.test_dispatcher_orders import ordered_day
+from tests.trains import day_of
 from wayside.said import GoesOnAs, TrainCut
 
 # A's set is to come back as B.
-DAY: Final = """
-[[trains]]
-number = "A"
-direction = "down"
-begins = "stabled"
-ends = "becomes:B"
-calls = [
-  { station = "ASA", track = "1", departure = "10:00" },
-  { station = "IZU", track = "1", arrival = "10:06", departure = "10:07" },
-  { station = "USU", track = "1", arrival = "10:13" },
-]
-[[trains]]
-number = "B"
-direction = "up"
-begins = "from:A"
-ends = "becomes:C"
-calls = [
-  { station = "USU", track = "1", departure = "10:22" },
-  { station = "IZU", track = "2", arrival = "10:28", departure = "10:29" },
-  { station = "ASA", track = "1", arrival = "10:35" },
-]
-[[trains]]
-number = "C"
-direction = "down"
-begins = "from:B"
-ends = "stabled"
-calls = [
-  { station = "ASA", track = "1", departure = "10:50" },
-  { station = "IZU", track = "1", arrival = "10:56" },
-]
-[[diagrams]]
-stock = "SA"
-trains = ["A", "B", "C"]
-"""
+DAY: Final = day_of(
+    "A down, stabled to becomes:B: ASA 1 -/10:00; IZU 1 10:06/10:07; USU 1 10:13/-",
+    "B up, from:A to becomes:C: USU 1 -/10:22; IZU 2 10:28/10:29; ASA 1 10:35/-",
+    "C down, from:B to stabled: ASA 1 -/10:50; IZU 1 10:56/-",
+    SA="A B C",
+)
 SILENT: Final = """
 [[fault]]
 kind = "cut"

@@ -12,44 +12,17 @@ from scenario.scenario import load_scenario
 from study.runner.outcome import unfinished
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
 from tests.system.test_order_of_trains import TRAINS
+from tests.trains import day_of
 from wayside.said import TrackChanged
 
 # A is at IZU on the track to which B is to go and comes to stand; B turns back there.
-STANDS: Final = """
-[[trains]]
-number = "A"
-direction = "down"
-begins = "stabled"
-ends = "stabled"
-calls = [
-  { station = "IZU", track = "1", departure = "10:20" },
-  { station = "USU", track = "1", arrival = "10:26" },
-]
-[[trains]]
-number = "B"
-direction = "down"
-begins = "stabled"
-ends = "becomes:C"
-calls = [
-  { station = "ASA", track = "1", departure = "10:00" },
-  { station = "IZU", track = "1", arrival = "10:06" },
-]
-[[trains]]
-number = "C"
-direction = "up"
-begins = "from:B"
-ends = "stabled"
-calls = [
-  { station = "IZU", track = "1", departure = "10:10" },
-  { station = "ASA", track = "1", arrival = "10:16" },
-]
-[[diagrams]]
-stock = "SA"
-trains = ["A"]
-[[diagrams]]
-stock = "SB"
-trains = ["B", "C"]
-"""
+STANDS: Final = day_of(
+    "A down, stabled to stabled: IZU 1 -/10:20; USU 1 10:26/-",
+    "B down, stabled to becomes:C: ASA 1 -/10:00; IZU 1 10:06/-",
+    "C up, from:B to stabled: IZU 1 -/10:10; ASA 1 10:16/-",
+    SA="A",
+    SB="B C",
+)
 
 
 def ordered_day(folder: Path, trains: str, keys: str, link: PartyLink = PartyLink.SIMULATED) -> FinishedRun:

@@ -22,6 +22,7 @@ from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill
 from tests.nightly import A_FIFTH
 from tests.plain import drill_on_plain, run_on_plain
+from tests.trains import timetable_of
 
 DRILL: Final = "rtri/95_substitute_working"
 # K2's unit dies as it stands in the first section, where the other end could let nobody in.
@@ -46,34 +47,14 @@ target = "K1"
 start = "10:00:38"
 duration_s = 1200.0
 """
-AGAIN_TIMES: Final = """
-[timetable]
-id = "times"
-name = "A stock that leaves the line and comes again"
-line = "rtri_test_line"
-dwell_min_s = 20
-
-[[trains]]
-number = "T1"
-direction = "down"
-calls = [
-  { station = "A", track = "1", departure = "10:06:00" },
-  { station = "B", track = "1", arrival = "10:08:00", departure = "10:09:00" },
-]
-begins = "stabled"
-ends = "portal:PE"
-
-[[trains]]
-number = "T2"
-direction = "up"
-calls = [{ station = "B", track = "2", arrival = "10:25:00" }]
-begins = "portal:PE"
-ends = "stabled"
-
-[[diagrams]]
-stock = "K1"
-trains = ["T1", "T2"]
-"""
+AGAIN_TIMES: Final = timetable_of(
+    "times",
+    "rtri_test_line",
+    "T1 down, stabled to portal:PE: A 1 -/10:06:00; B 1 10:08:00/10:09:00",
+    "T2 up, portal:PE to stabled: B 2 10:25:00/-",
+    dwell_min_s=20,
+    K1="T1 T2",
+)
 AGAIN: Final = """
 extends = "rtri_test_line"
 id = "again"
@@ -252,46 +233,16 @@ def test_a_unit_cut_in_without_power_is_not_held_to_what_it_held_before(tmp_path
 
 
 # K2 comes from the east to track 1 of B, and is to be gone again before K1 comes there from A.
-ONE_TRACK: Final = """
-[timetable]
-id = "one_track"
-name = "Two sets that come to one track one after the other"
-line = "rtri_test_line"
-dwell_min_s = 20
-assumed = ["everything"]
-
-[[trains]]
-number = "T2"
-direction = "up"
-calls = [{ station = "B", track = "1", arrival = "10:02:00" }]
-begins = "portal:PE"
-ends = "becomes:T3"
-
-[[trains]]
-number = "T3"
-direction = "down"
-calls = [{ station = "B", track = "1", departure = "10:06:00" }]
-begins = "from:T2"
-ends = "portal:PE"
-
-[[trains]]
-number = "T1"
-direction = "down"
-calls = [
-  { station = "A", track = "1", departure = "10:10:00" },
-  { station = "B", track = "1", arrival = "10:12:00" },
-]
-begins = "stabled"
-ends = "stabled"
-
-[[diagrams]]
-stock = "K2"
-trains = ["T2", "T3"]
-
-[[diagrams]]
-stock = "K1"
-trains = ["T1"]
-"""
+ONE_TRACK: Final = timetable_of(
+    "one_track",
+    "rtri_test_line",
+    "T2 up, portal:PE to becomes:T3: B 1 10:02:00/-",
+    "T3 down, from:T2 to portal:PE: B 1 -/10:06:00",
+    "T1 down, stabled to stabled: A 1 -/10:10:00; B 1 10:12:00/-",
+    dwell_min_s=20,
+    K2="T2 T3",
+    K1="T1",
+)
 MEET: Final = {
     # Both come late, as staff take a quarter of an hour to B: each is next in the book of its section.
     "two books": (("A",), 900.0, "09:57:00", ""),

@@ -128,6 +128,11 @@ def test_without_the_cap_a_deep_file_goes_on_to_where_python_ends(monkeypatch: p
         deepcopy(parse_table(DEEP["a header"], "f.toml"))
 
 
+def test_what_one_reader_does_to_a_text_that_is_parsed_once_no_other_sees() -> None:
+    parse_table("[a]\nb = [1]\n", "f.toml")["a"]["b"].append(2)
+    assert parse_table("[a]\nb = [1]\n", "f.toml") == {"a": {"b": [1]}}
+
+
 @pytest.mark.parametrize("text", ["a = 1" + "0" * 5000, "a = 0x" + "f" * 9000 + "\n[[a]]"])
 def test_a_number_of_thousands_of_digits_is_no_traceback(text: str) -> None:
     with pytest.raises(InputError, match="valid TOML"):

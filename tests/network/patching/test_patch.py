@@ -12,10 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.errors import InputError
+from network.files.edits import PatchInFile
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Coverage, Direction, Line, SpeedLimit
-from network.patching.patch import load_patched_line, patch_line_data
+from network.patching.patch import KEY, _patched, load_patched_line
 from network.timetable import load_timetable, parse_timetable
 from tests.network.sample import SAMPLE, SAMPLE_FILE
 
@@ -27,11 +28,15 @@ def patched(toml: str) -> Line:
     return load_patched_line(SAMPLE_FILE, tomllib.loads(toml), "what_if.toml")
 
 
+def data_patched(data: dict[str, Any], patch: dict[str, Any]) -> dict[str, Any]:
+    return _patched(data, PatchInFile(patch, "f", KEY))[0].data
+
+
 def test_an_empty_patch_is_the_line_itself() -> None:
     assert patched("") == load_line(SAMPLE_FILE)
     before = deepcopy(DATA)
-    assert patch_line_data(DATA, {}, "f") == DATA
-    patch_line_data(DATA, {"remove_tracks": ["A.2"], "set": {"line.max_speed_kmh": 50}}, "f")
+    assert data_patched(DATA, {}) == DATA
+    data_patched(DATA, {"remove_tracks": ["A.2"], "set": {"line.max_speed_kmh": 50}})
     assert before == DATA
 
 
@@ -61,7 +66,7 @@ def test_set_prefers_the_longest_id() -> None:
     """Station A, and a station whose id begins like it."""
     data = deepcopy(DATA)
     data["stations"][1]["id"] = "A.tracks"
-    changed = patch_line_data(data, {"set": {"stations.A.tracks.name": "Longest"}}, "f")
+    changed = data_patched(data, {"set": {"stations.A.tracks.name": "Longest"}})
     assert changed["stations"][1]["name"] == "Longest"
 
 

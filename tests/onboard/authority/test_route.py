@@ -29,10 +29,11 @@ from onboard.authority.records import (
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
 from onboard.plan import PointsNeeded
+from tests.onboard.authority.test_report import reported
 
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 SECTIONS: Final = ("5", "6", "7", "8")
-ROUTE, REPORT = Timer("route"), Timer("report")
+ROUTE: Final = Timer("route")
 
 ON_LINE: Final = Authority(held=("3",), on_line=True)
 OPEN: Final = OpenRequest(RequestKind.ROUTE, "3>8", SECTIONS, sent=True)
@@ -47,14 +48,6 @@ TAKEN: Final = (StopTimer(ROUTE), Take(SECTIONS), Write(notes.RouteHeld(route_id
 
 def holds(*section_ids: str) -> Write:
     return Write(notes.Holds(section_ids=section_ids, token=0))
-
-
-def reported(*section_ids: str) -> tuple[Action, ...]:
-    return (
-        SendRequest(OpenRequest(RequestKind.REPORT, section_ids=section_ids)),
-        SetTimer(REPORT, REPEAT_S),
-        Write(notes.Reported(section_ids=section_ids, token=0)),
-    )
 
 
 def other(grant: GrantHeard, **changes: object) -> GrantHeard:

@@ -8,8 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from network.files.line_file import load_line
-from network.files.shipped import shipped_line
 from network.model import Direction
 from onboard.localisation.vision import (
     PAPER_COLOUR,
@@ -25,7 +23,6 @@ from onboard.localisation.vision import (
     search_window,
     sight,
     sign_mask,
-    signs_of,
 )
 
 CYAN = (150, 150, 20)  # BGR: hue 180 deg, saturation 87 %, value 59 %
@@ -221,15 +218,6 @@ def test_the_route_says_which_track() -> None:
     found = next_target(SIGNS, 2000.0, Direction.DOWN, [("b", "2")])
     assert found is not None
     assert found.track == "2"
-
-
-def test_station_database_of_a_shipped_line() -> None:
-    line = load_line(shipped_line("karasuyama"))
-    signs = signs_of(line, 10.0)
-    assert {sign.direction for sign in signs} == {Direction.DOWN, Direction.UP}
-    assert all(sign.direction * (sign.position_m - sign.stop_m) == pytest.approx(10.0) for sign in signs)
-    marks = sum(len(track.marks_m) for station in line.stations.values() for track in station.tracks)
-    assert len(signs) == marks
 
 
 @pytest.mark.parametrize("sign", SIGNS[:2])

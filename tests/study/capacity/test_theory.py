@@ -105,7 +105,6 @@ BY_HAND = {
     ),
     "8": ((A, 0.1), (G, 0.1), (READY, 44.8), (NEAR, 50.064), (RUN, 16.455), (OccupationPart.LAYOVER, 0.0)),
 }
-POINTS_BY_SECTION = {"2": 1, "5": 1, "7": 1}
 
 
 def by_id(found: tuple[Occupation, ...]) -> dict[str, Occupation]:

@@ -7,6 +7,7 @@ import pytest
 from scenario.scenario import load_scenario
 from study.feasibility.check import feasibility
 from study.feasibility.finding import Finding, FindingKind, Severity
+from tests.trains import timetable_of
 
 HEAD = """extends = "rtri_test_line"
 id = "crossed"
@@ -106,33 +107,14 @@ def test_who_turns_beyond_the_first_contact_is_not_warned_of(tmp_path: Path) -> 
     assert "up trains that begin in 8" in finding.text
 
 
-TIMES = """[timetable]
-id = "two_numbers"
-name = "A set that goes on as another train"
-line = "karasuyama"
-dwell_min_s = 30
-[[trains]]
-number = "D1"
-direction = "down"
-calls = [
-  { station = "HSK", track = "1", departure = "10:00:00" },
-  { station = "OGN", track = "1", arrival = "10:20:00" },
-]
-begins = "stabled"
-ends = "becomes:D2"
-[[trains]]
-number = "D2"
-direction = "down"
-calls = [
-  { station = "OGN", track = "1", departure = "10:25:00" },
-  { station = "KRS", track = "1", arrival = "10:40:00" },
-]
-begins = "from:D1"
-ends = "stabled"
-[[diagrams]]
-stock = "K1"
-trains = ["D1", "D2"]
-"""
+TIMES = timetable_of(
+    "two_numbers",
+    "karasuyama",
+    "D1 down, stabled to becomes:D2: HSK 1 -/10:00:00; OGN 1 10:20:00/-",
+    "D2 down, from:D1 to stabled: OGN 1 -/10:25:00; KRS 1 10:40:00/-",
+    dwell_min_s=30,
+    K1="D1 D2",
+)
 
 
 @pytest.mark.parametrize(("km", "section", "unwarned"), [(12.7, "OGN.1", ()), (12.85, "OGN-KRS", ("D2",))])
