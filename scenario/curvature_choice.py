@@ -13,19 +13,19 @@ from onboard.localisation.curvature_map_file import read_map
 from simulation.sensor_settings import Curvature
 
 
-def curvature_map_of(folders: Sequence[Path], curvature: Curvature, line: Line) -> CurvatureMap | None:
+def curvature_map_of(named_in: Sequence[Path], curvature: Curvature, line: Line) -> CurvatureMap | None:
     """The map read, None for the design's. InputError for a file that is not there or not of this line.
 
-    A file is read, and refused, whether any stock carries a gyro or not.
+    A file is read, and refused, whether any stock carries a gyro or not. It lies beside one of the files `named_in`.
     """
     name = curvature.map
     if name == DESIGN:
         return None
-    for folder in folders:
-        if existing_file(folder / name):
-            return read_map(folder / name, line)
+    for file in named_in:
+        if existing_file(file.parent / name):
+            return read_map(file.parent / name, line)
     raise InputError(
-        str(folders[0]),
+        str(named_in[0]),
         "curvature.map",
         name,
         f"{DESIGN!r}, or a file beside the scenario (branchline new curvature-map)",

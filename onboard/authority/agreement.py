@@ -64,12 +64,14 @@ def refused_signing_off(state: Authority, event: RefusalHeard) -> Result:
 def claim_accepted(state: Authority, event: SignOnHeard) -> Result:
     """To a claim: takes a greater token, never sections; if it has less than the unit holds, the train is stopped.
 
-    If it has more, as persons have entered for the unit or as it claimed falsely, that is given back by a report.
+    If it has more, as persons have entered for the unit or as it claimed falsely, that is given back by a report; but
+    all of a route that the unit asks for may have been granted, and not heard yet.
     """
     taken, actions = sign_on.claim_accepted(state, event)
     held, has = set(state.held), set(event.section_ids)
-    waits = any(taken.open(ask) for ask in (RequestKind.ROUTE, RequestKind.REPORT))
-    if held and held < has and not waits:
+    asked = taken.open(RequestKind.ROUTE)
+    granted = asked is not None and has.issuperset(asked.section_ids or ())
+    if held and held < has and not granted and taken.open(RequestKind.REPORT) is None:
         reporting, more = report_now(taken)
         return reporting, (*actions, *more)
     if held <= has:

@@ -49,6 +49,7 @@ def test_a_map_that_cannot_be_used_is_refused(tmp_path: Path, map_name: str, key
     with pytest.raises(InputError) as error:
         loaded(tmp_path, f'[curvature]\nmap = "{map_name}"\n')
     assert error.value.key == key and expected in str(error.value) and "\n" not in str(error.value)
+    assert str(error.value).startswith(str(tmp_path / ("own.toml" if key == "curvature.map" else map_name)))
 
 
 def test_the_command_says_it_in_one_line_with_code_2(tmp_path: Path) -> None:

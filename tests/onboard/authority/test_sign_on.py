@@ -183,6 +183,16 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(HOLDING, requests=(ASKED,)),
         (),
     ),
+    "but gives back what is not the whole of that route": (
+        Authority(held=("3",), on_line=True, requests=(ASKED,)),
+        SignOnHeard(("3", "5"), (), answers=False, newer=False),
+        Authority(held=("3",), on_line=True, requests=(ASKED, GIVING_BACK)),
+        (
+            Renew(RequestKind.REPORT),
+            *said(replace(GIVING_BACK, section_ids=("3",))),
+            Write(notes.Reported(section_ids=("3",), token=0)),
+        ),
+    ),
     "accepted, an older contradiction is over": (
         replace(SIGNING_ON, mismatch="contested: 3"),
         SignOnHeard(("3",), (), answers=True, newer=True),
