@@ -205,8 +205,8 @@ class OnboardUnit:
         if isinstance(opened, Dropped):
             self._notes.append(opened.noted(self.unit_id))
             source = "" if opened.envelope is None else opened.envelope.source
-            if (event := self._letters.read_dropped(opened.reason, source)) is not None:
-                self._take(TelegramHeard(event), place, now_s)
+            if (called := self._letters.read_dropped(opened.reason, source)) is not None:
+                self._take(TelegramHeard(called), place, now_s)
             return
         self._notes.append(opened.noted(self.unit_id))
         if self._crossings.hear(opened, self._elapsed.at(now_s)):
