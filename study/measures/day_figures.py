@@ -44,12 +44,13 @@ class DayFigures(msgspec.Struct, frozen=True):
     and a train that was cut counts as lost for that at least, wherever it was. Of a part of a day what is due by its
     end is planned, and no more.
 
-    `primary_s`: by how much lateness grew because of what was drawn or failed, `secondary_s` because a train waited for
-    another, `other_s` for neither (driving, minutes of the plan that are too short); together all growth, which spare
-    time takes back. `primary_delays` of LATE_S and more; `recovery_mean_s`: from each of those until no train is late
-    any more, None on a day without one, `recovery_s`: the longest time without a moment in which none was, `late_time_s`: all such time;
-    `recovered`: whether the day ended so. `drawn`: how many things were drawn, by key path of their table. `deadlock`:
-    trains that wait for one another in a ring at the end. `mean_delay_s`: as `mean_late_s`, what is early as on time.
+    `primary_s`: by how much lateness grew because of what was drawn or failed, `secondary_s` because a train waited
+    for another, `other_s` for neither (driving, minutes of the plan that are too short); together all growth, which
+    spare time takes back. `primary_delays` of LATE_S and more; `recovery_mean_s`: from each of those until no train is
+    late any more, None on a day without one, `recovery_s`: the longest time without a moment in which none was,
+    `late_time_s`: all such time; `recovered`: whether the day ended so. `drawn`: how many things were drawn, by key
+    path of their table. `deadlock`: trains that wait for one another in a ring at the end. `mean_delay_s`: as
+    `mean_late_s`, what is early as on time.
 
     `closed_road_min`: minutes in which the roads of level crossings were closed, added up over them, and
     `least_warned_s`: the shortest warning before a front came onto one; None on a line without a crossing that has a
