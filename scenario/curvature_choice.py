@@ -13,19 +13,21 @@ from onboard.localisation.curvature_map_file import read_map
 from simulation.sensor_settings import Curvature
 
 
-def curvature_map_of(named_in: Sequence[Path], curvature: Curvature, line: Line) -> CurvatureMap | None:
+def curvature_map_of(
+    folders: Sequence[Path], scenario: Path, curvature: Curvature, line: Line
+) -> CurvatureMap | None:
     """The map read, None for the design's. InputError for a file that is not there or not of this line.
 
-    A file is read, and refused, whether any stock carries a gyro or not. It lies beside one of the files `named_in`.
+    A file is read, and refused, whether any stock carries a gyro or not.
     """
     name = curvature.map
     if name == DESIGN:
         return None
-    for file in named_in:
-        if existing_file(file.parent / name):
-            return read_map(file.parent / name, line)
+    for folder in folders:
+        if existing_file(folder / name):
+            return read_map(folder / name, line)
     raise InputError(
-        str(named_in[0]),
+        str(scenario),
         "curvature.map",
         name,
         f"{DESIGN!r}, or a file beside the scenario (branchline new curvature-map)",

@@ -147,11 +147,11 @@ def check_margins(file: str, driving: Driving) -> None:
         raise InputError(file, "driving.emergency_margin_mps", driving.emergency_margin_mps, expected)
 
 
-def learned_of(named_in: Sequence[Path], tuning: Tuning, stock_ids: Iterable[str]) -> dict[str, Learned]:
-    """What trains know to begin with, by stock id: from the file that `tuning` names, beside one of `named_in`."""
+def learned_of(folders: Sequence[Path], tuning: Tuning, stock_ids: Iterable[str]) -> dict[str, Learned]:
+    """What trains know to begin with, by stock id: from the file that `tuning` names, in the first folder with it."""
     if tuning.learned is None:
         return {}
-    files = [file.parent / tuning.learned for file in named_in]
+    files = [folder / tuning.learned for folder in folders]
     known = read_learned(next(filter(existing_file, files), files[0]))
     return {stock_id: known[stock_id] for stock_id in stock_ids if stock_id in known}
 

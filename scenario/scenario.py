@@ -133,7 +133,7 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
     check_sensors(str(path), tables.sensors, sorted(trains))
     check_window(str(path), tables.sensors, tables.curvature)
     check_grip(str(path), tables.driving, trains, line.max_speed_mps)
-    folders = _named_in(path, "belief.trains", layers)
+    folders = _folders(path, "belief.trains", layers)
     belief = belief_of(folders, path, model.belief, line_file, layers.files.get("line", ()), line, trains)
     believed = line if belief is None else belief.line
     setup = Setup(
@@ -144,8 +144,10 @@ def _loaded(path: Path, layers: ScenarioLayers, seed: int | None) -> Scenario:
         seed=model.seed if seed is None else seed,
         laws=laws_of(str(path), tables.driving, sorted(trains)),
         belief=belief,
-        curvature_map=curvature_map_of(_named_in(path, "curvature.map", layers), tables.curvature, believed),
-        learned=learned_of(_named_in(path, "tuning.learned", layers), tables.tuning, trains),
+        curvature_map=curvature_map_of(
+            _folders(path, "curvature.map", layers), path, tables.curvature, believed
+        ),
+        learned=learned_of(_folders(path, "tuning.learned", layers), tables.tuning, trains),
         load=model.trains,
         roads=roads_of(line_data, str(line_file)),
         **run_tables(tables, timetable),
@@ -187,7 +189,7 @@ def _named(
     path: Path, key: str, name: str, shipped: Callable[[str], Path], layers: ScenarioLayers | None = None
 ) -> Path:
     """A file beside the one that names it, beside the scenario itself, or shipped; InputError names the key."""
-    for folder in (path.parent,) if layers is None else _named_in(path, key, layers):
+    for folder in (path.parent,) if layers is None else _folders(path, key, layers):
         if name.endswith(".toml") and existing_file(folder / name):
             return folder / name
     try:
@@ -196,9 +198,9 @@ def _named(
         raise InputError(str(path), key, name, error.expected) from error
 
 
-def _named_in(path: Path, key: str, layers: ScenarioLayers) -> tuple[Path, ...]:
-    """Beside which files a file may lie that is named under a key: the scenario that names it, or this one."""
-    return tuple(dict.fromkeys((*layers.files_of(key), path)))
+def _folders(path: Path, key: str, layers: ScenarioLayers) -> tuple[Path, ...]:
+    """Where a file that is named under a key may lie: beside the scenario that names it, or beside this one."""
+    return tuple(dict.fromkeys(file.parent for file in (*layers.files_of(key), path)))
 
 
 def _trains(
