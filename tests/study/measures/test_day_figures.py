@@ -98,7 +98,7 @@ def test_no_figure_is_better_for_arrivals_that_do_not_come(data: st.DataObject) 
     fewer = [one for one in stops if data.draw(st.booleans())]
     before, after = figures_of_stops(stops, THREE), figures_of_stops(fewer, THREE)
     for name, figure in FIGURES.items():
-        if name in OF_CROSSINGS:
+        if name in OF_CROSSINGS or name == "recovery_mean_s":  # of stops alone no delay is known
             continue
         was, is_now = figure.of(before), figure.of(after)
         assert was is not None and is_now is not None, name
