@@ -107,7 +107,7 @@ def test_a_step_left_out_and_one_too_early_are_shown_and_counted_in_japanese(bro
         staff.shows(".answer", "実行済み")
         desk.run_to(10 * 3600 + 181)
         staff.shows(".log", "はできない")  # no train is in the book yet
-        instructor = Seated(browser, desk.page, "instructor", "ja")  # who alone may see it while the run goes on
+        instructor = Seated(browser, desk.page, "instructor", "ja")  # the only one, while the run goes on
         instructor.page.get_by_role("button", name="記録と評価").click()
         instructor.shows("#score", "省略・順序違い・不能の手順")
         assert staff.said == instructor.said == []
