@@ -98,7 +98,7 @@ def run_with(name: str | None, scenario: str, seed: int, folder: Path) -> Stops:
     done = subprocess.run(
         [sys.executable, str(Path(__file__).parent / "stops_of.py"), scenario, str(seed)],
         cwd=root,
-        env={**os.environ, "PYTHONPATH": str(root)},
+        env={**os.environ, "PYTHONPATH": f"{root}{os.pathsep}{ROOT}"},
         capture_output=True,
         text=True,
         check=False,

@@ -297,7 +297,7 @@ def service_brake_is_weak(patch: pytest.MonkeyPatch) -> None:
 
     def worn(self: Trains, slot: int, duty: Duty) -> None:
         place(self, slot, duty)
-        self.plants[slot].brake_factor = 0.2
+        self._brake_factors[slot] = 0.2
 
     patch.setattr(Trains, "place", worn)
 

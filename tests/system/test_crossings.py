@@ -196,7 +196,7 @@ def test_by_radio_the_warning_is_as_long_for_every_train_of_a_day(
     """The Karasuyama weekday with radio all along and 19 crossings: between stations, before and behind halts.
 
     A train that has run for 45 s when its front comes warns for 35 s, and longer by 1 s and its bound over its speed at
-    most; but for one in a hundred, which brakes for a limit.
+    most; but for one in fifty, which brakes meanwhile, as every train does before Karasuyama: half a second longer.
     """
     kms = (0.35, 1.2, 2.5, 3.62, 3.76, 5.0, 5.85, 6.85, 8.0, 9.5, 11.2, 12.2)
     kms += (13.0, 14.55, 15.2, 16.5, 17.3, 18.5, 19.9)
@@ -214,7 +214,7 @@ def test_by_radio_the_warning_is_as_long_for_every_train_of_a_day(
     lit_s: dict[str, float] = {}
     left_s: dict[str, float] = {}
     warned_s: list[float] = []
-    constant = 0
+    over_s: list[float] = []
     for entry in result.journal.entries:
         match entry.event:
             case CrossingLamps(crossing_id=crossing_id, lit=True):
@@ -229,11 +229,13 @@ def test_by_radio_the_warning_is_as_long_for_every_train_of_a_day(
                 trace = result.trace[result.trace["slot"] == result.stock_ids.index(unit_id)]
                 row = trace[trace["step"] <= round(begun_s / STEP_S)][-1]
                 beyond_m = max(float(row["bound_ahead_m"] + row["estimate_error_m"]), 0.0)
-                constant += -1.0 <= warned_s[-1] - 35.0 <= 1.0 + beyond_m / speed_mps
+                over_s.append(warned_s[-1] - 36.0 - beyond_m / speed_mps)
             case _:
                 pass
+    constant = sum(over <= 0.0 for over in over_s)
     figures = f"{constant} of {len(warned_s)} warned for 35 s to 1 s and bound over speed"
     record_property("figures", f"{figures}; all for {min(warned_s):.1f} to {max(warned_s):.1f} s")
     assert len(warned_s) > 300
     assert min(warned_s) >= 34.0
-    assert constant >= 0.99 * len(warned_s)
+    assert constant >= 0.98 * len(warned_s)
+    assert max(over_s) < 0.5

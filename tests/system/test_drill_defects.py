@@ -174,7 +174,7 @@ def terminal_allows_no_slower_throw(patch: pytest.MonkeyPatch) -> None:
             configs.append(msgspec.structs.replace(config, points=tuple(points)))
         return tuple(configs)
 
-    patch.setattr("study.runner.run.terminal_configs", strict)
+    patch.setattr("study.runner.devices.terminal_configs", strict)
 
 
 def keeps_the_key_for_ever(patch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ from study.record.wait import Cause
 from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
 from tests.plain import drill_on_plain, run_on_plain
-from wayside.said import Certified, HeldBack, NoOrderKnown
+from wayside.said import Certified, Granted, HeldBack, NoOrderKnown
 
 WITHOUT: Final = ("01_one_siding", "02_two_sidings", "03_two_loops")
 WITH: Final = {
@@ -94,7 +94,8 @@ def changes_nothing(without: FinishedRun, with_it: FinishedRun) -> None:
     """The same motion; the journal has a certificate more for each grant, and nobody was held."""
     assert with_it.result.motion_digest == without.result.motion_digest
     notes = [entry.event for entry in with_it.result.journal.entries]
-    assert any(isinstance(note, Certified) for note in notes)
+    granted, proven = ([n for n in notes if isinstance(n, kind)] for kind in (Granted, Certified))
+    assert bool(proven) == bool(granted)
     assert not any(isinstance(note, HeldBack | NoOrderKnown) for note in notes)
 
 
