@@ -400,9 +400,13 @@ def _known(names: list[str], known: list[str]) -> None:
 
 
 def _line(config: str) -> ExploredLine:
-    from verify.explored_line import Budgets, ExploredLine
+    from network.errors import InputError
+    from verify.explored_line import BOOTS, Budgets, ExploredLine
 
-    return ExploredLine(budgets=Budgets(*_numbers(config, len(Budgets._fields))))
+    budgets = Budgets(*_numbers(config, len(Budgets._fields)))
+    if budgets.power >= BOOTS:
+        raise InputError("CONFIG", "power", config.split("/")[2], f"at most {BOOTS - 1} power cuts")
+    return ExploredLine(budgets=budgets)
 
 
 def _numbers(config: str, most: int, uncounted: str = "any") -> list[int]:

@@ -409,6 +409,7 @@ HAZARDS: Final = (
             "rtri/58d_hauled_away_uncounted",
             "rtri/58e_hauled_away_and_asked",
             "rtri/58f_left_untold_and_booted",
+            "rtri/58g_left_uncounted_and_booted",
             "karasuyama/58_portal_answer_lost",
             "karasuyama/58b_portal_unit_power",
             "karasuyama/58c_hauled_out_of_its_portal",

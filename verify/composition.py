@@ -295,8 +295,11 @@ class Composition:
         )
 
     def finished(self, state: StateOfLine) -> bool:
-        """Whether every train has come and gone, and its unit knows that."""
-        return all(self.view(state, unit).finished for unit in self._units)
+        """Whether every train has come and gone, its unit knows that, and the manager could let the next one in."""
+        manager = self.parties.managers.things[state.manager]
+        free = manager.power and manager.kept.register.defined
+        held = self.parties.held_by_register(state.manager)
+        return free and not any(held) and all(self.view(state, unit).finished for unit in self._units)
 
     def broken(self, state: StateOfLine) -> str:
         """Which rule is broken, in words; empty: none."""

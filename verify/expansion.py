@@ -408,9 +408,12 @@ class Expansion:
         return bad
 
     def finished(self, keys: Keys) -> Which:
-        """In which states every train has come and gone."""
-        states = self.columns(keys)
-        done = [self.cells[u].rows.column(FINISHED)[states.cells[u]] != 0 for u in self._units]
+        """In which states every train has come and gone, and the manager could let the next one in."""
+        self._add_rows()
+        states, managers = self.columns(keys), self._managers.column
+        done = [managers(HOLDS + unit)[states.manager] == 0 for unit in self._units]
+        done += [managers(MAY_GRANT)[states.manager] != 0]
+        done += [self.cells[u].rows.column(FINISHED)[states.cells[u]] != 0 for u in self._units]
         all_: Which = np.all(done, axis=0)
         return all_
 

@@ -56,6 +56,7 @@ class UnwishedFor(IntEnum):
 
 
 ANY: Final = 99  # as often as it may be
+BOOTS: Final = 4  # of the block manager, whose tokens are told apart: its power may fail once less
 
 
 class Budgets(NamedTuple):

@@ -34,7 +34,7 @@ from wayside import acts, reentry
 from wayside.actions import Action, Send
 from wayside.barring import person_key
 from wayside.block_manager import AskUnits, Event, Heard, step, wake_at_s
-from wayside.register import Register, start
+from wayside.register import Register, UnitStanding, start
 from wayside.said import (
     AcceptPicture,
     BarUnit,
@@ -263,8 +263,10 @@ class ManagerModel:
 
     def _corrects(self, state: ManagerState, unit_id: str) -> bool:
         register = state.kept.register
-        said = bool(register.unit(unit_id).by) or bool(reentry.words_for(register, unit_id))
-        return said and not register.restoring
+        unit = register.unit(unit_id)
+        doubted = unit.standing is UnitStanding.LEAVING and unit.unproven  # as the manager has shown
+        said = bool(unit.by) or bool(reentry.words_for(register, unit_id))
+        return (said or doubted) and not register.restoring
 
     def _words_of(
         self, state: ManagerState, unit: int, *, corrects: bool, by: tuple[tuple[str, ...], ...] = ONE_BY_ONE

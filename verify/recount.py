@@ -6,7 +6,7 @@ and what counts as one state with the search (`verify.parties` and what that imp
 composed, searched or judged.
 
 What it shows: the set holds the start and all that follows from any member, no member breaks a rule, and from every
-member an untroubled event leads to one of lower rank, down to a state in which all trains have finished.
+member an untroubled event leads to one of lower rank, down to where all trains have left and the line is free.
 """
 
 from __future__ import annotations
@@ -159,8 +159,13 @@ class _Recount:
         for rule, breaks in self._broken(ground, cells):
             if breaks.any():
                 return self._refused(keys, breaks, f"is not safe: {rule}")
+        line = self._halves.of_grounds.column
         finished: NDArray[np.bool_] = np.logical_and.reduce(
-            [f.column("finished")[c] != 0 for f, c in zip(self._halves.of_cells, cells, strict=True)]
+            [
+                line("defined")[ground] != 0,
+                *(line(f"holds{unit}")[ground] == 0 for unit in range(len(cells))),
+                *(f.column("finished")[c] != 0 for f, c in zip(self._halves.of_cells, cells, strict=True)),
+            ]
         )
         best, count = np.full(len(keys), _RANK_MAX), 0
         for source, after_ground, after_cells, trouble in self._halves.following(ground, cells):

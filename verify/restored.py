@@ -75,6 +75,17 @@ def _silent_off_the_line() -> tuple[Change, ...]:
     return ((authority, "TABLE", MappingProxyType(table)),)
 
 
+def _booted_leaver_unheard() -> tuple[Change, ...]:
+    """A unit has booted since it signed off, and says that it is outside: nobody is shown that."""
+    return ((leaving, "says_gone", _in_its_boot),)
+
+
+def _in_its_boot(register: Register, heard: Heard[Any]) -> Step:
+    unit = register.unit(heard.unit_id)
+    gone = heard.epoch == unit.epoch or unit.counted_out
+    return leaving.left_line(register, heard.unit_id) if gone else (register, ())
+
+
 def _booted_at_its_mark_keeps_all() -> tuple[Change, ...]:
     """A unit that has booted at its mark goes on holding what lies behind, though its crew says where it is."""
     return ((on_sight, "behind_by_eye", _nothing_behind),)
@@ -132,6 +143,7 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
         "disputed-leaver-stays": _disputed_leaver_stays,
         "counted-out-forgotten": _counted_out_forgotten,
         "silent-off-the-line": _silent_off_the_line,
+        "booted-leaver-unheard": _booted_leaver_unheard,
         "booted-at-its-mark-keeps-all": _booted_at_its_mark_keeps_all,
         "old-token-obeyed": _old_token_obeyed,
         "proves-undetected": _proves_undetected,

@@ -1,6 +1,6 @@
 """Fencing tokens counted anew: of a token only matters which others are the same, greater or less.
 
-Tokens in use anywhere on the line are bits of one number, sixteen to each boot of the manager; counted anew, those of
+Tokens in use anywhere on the line are bits of one number, fifteen to each boot of the manager; counted anew, those of
 each boot are 1, 2, 3 ... in their order, and the manager's counter is the greatest, so that its next token is new to
 all. Codes of capabilities follow their tokens.
 """
@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from onboard.authority.letters import CommandedPoints
 from radio.keys import capability_mac
 from radio.messages import AnyMessage, Capability, PointsCommand, RouteGranted, SignOnAccepted
-from verify.explored_line import CAPABILITY_KEYS, UNITS
+from verify.explored_line import BOOTS, CAPABILITY_KEYS, UNITS
 from verify.manager import ManagerState
 from verify.manager import plain as plain_register
 from verify.on_air import InAir
@@ -25,8 +25,7 @@ from verify.terminal import plain as plain_terminal
 from verify.train import TrainState
 from wayside.point_terminal import TerminalMemory
 
-A_BOOT: Final = 16  # tokens that one boot of the manager may have in use
-BOOTS: Final = 3
+A_BOOT: Final = 15  # tokens that one boot of the manager may have in use
 _SECTION: Final = "X"  # the only one with points
 _BOOT: Final = (1 << A_BOOT) - 1
 

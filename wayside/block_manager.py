@@ -420,16 +420,13 @@ def _sign_on_leaving(register: Register, heard: Heard[SignOn]) -> Step:
 
 
 def _claim_leaving(register: Register, heard: Heard[Claim]) -> Step:
-    """Empty, and of the boot that signed off or after the boundary's contact: its train has left. Its portal alone: not
-    yet. Else as any claim.
-    """
+    """Empty: its train may have left. Its portal alone: not yet. Else as any claim."""
     unit_id, claimed = heard.unit_id, heard.message.section_ids
     same_boot = heard.epoch == register.unit(unit_id).epoch
     if not heard.fresh:
         return challenge(register, heard)
     if claimed == ():
-        left = same_boot or register.unit(unit_id).counted_out
-        return leaving.left_line(register, unit_id) if left else (register, ())
+        return leaving.says_gone(register, heard)
     if same_boot and claimed == register.held_by(unit_id):
         return register, ()
     return _take_claim(register, heard)

@@ -29,6 +29,9 @@ from wayside.reentry import Step
 from wayside.register import Register, RegisteredUnit, UnitStanding
 from wayside.said import Contradicted, Freed, Leaving, Outside
 
+FORGOTTEN_OR_GONE: Final = (
+    "booted since it signed off, it says that it is outside: two persons must say so too"
+)
 _HOLDING: Final = (UnitStanding.REPORTED, UnitStanding.BY_HAND)
 
 
@@ -101,6 +104,19 @@ def has_left(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> bool:
     """
     unit = register.unit(heard.unit_id)
     return unit.standing is UnitStanding.DISPUTED and unit.leaves and heard.epoch == unit.epoch
+
+
+def says_gone(register: Register, heard: Heard[Claim]) -> Step:
+    """A unit that leaves holds nothing: in the boot that signed off, or once the boundary has counted it out, its train
+    has left. Booted since, and counted by nothing, it may have forgotten: shown once, and two persons must say so too.
+    """
+    unit_id, unit = heard.unit_id, register.unit(heard.unit_id)
+    if heard.epoch == unit.epoch or unit.counted_out:
+        return left_line(register, unit_id)
+    if unit.unproven:
+        return register, ()
+    shown = Contradicted(unit_id=unit_id, section_ids=register.held_by(unit_id), why=FORGOTTEN_OR_GONE)
+    return register.with_unit(unit_id, replace(unit, unproven=True)), (Show(shown),)
 
 
 def left_before(register: Register, section_ids: tuple[str, ...]) -> int:

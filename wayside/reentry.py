@@ -315,9 +315,9 @@ def _define(register: Register, now_s: float) -> Step:
 
 def _forgot(register: Register, unit_id: str) -> bool:
     """Whether it says that it is outside, was on the line, and no person says by which portal it left."""
-    left_by = register.reentry.left_by
+    unit, left_by = register.unit(unit_id), register.reentry.left_by
     seen = any(place for (_, of_unit), place in left_by.items() if of_unit == unit_id)
-    return register.unit(unit_id).unproven and not seen
+    return unit.standing is UnitStanding.OUTSIDE and unit.unproven and not seen
 
 
 def said_outside(register: Register, unit_id: str) -> Step:

@@ -49,7 +49,8 @@ class RegisteredUnit(msgspec.Struct, frozen=True):
     the boundary has counted it out before it said so (`wayside.leaving`). `by`: who said so, where
     persons did; `claim_needed`: of this boot only a fresh claim counts, since it spoke for itself before persons did;
     `silent`: it may be on the line, so it is asked all the same; `taken_back`: persons were wrong about it, or it was.
-    `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost.
+    `unproven`: by its own word it is outside, and it was on the line as far as was known when the block state was lost,
+    or when it signed off in an earlier boot.
     `leave`: sections that it may run over, `without_leave`: and may not, as this boot has told it; of others it has not
     (`wayside.entering`).
     """

@@ -49,6 +49,7 @@ from simulation.world.on_board import OnBoard
 from simulation.world.roster import Duty
 from simulation.world.trains import Trains
 from tests.system.switchboard import ON_THE_POINTS_AFTER_S, switch, with_handlers
+from verify.restored import RESTORED
 
 # duty and timers ----------------------------------------------------------------------------------------------
 
@@ -146,6 +147,13 @@ def does_not_hear_that_it_has_left(patch: pytest.MonkeyPatch) -> None:
 def silent_after_it_has_left(patch: pytest.MonkeyPatch) -> None:
     """A unit that has booted off the line says nothing to who speaks to its earlier boot."""
     with_handlers(patch, {sym.EarlierBootCalled: lambda _called: lambda state, _event: (state, ())})
+
+
+@switch
+def forgets_who_booted_as_it_left(patch: pytest.MonkeyPatch) -> None:
+    """The manager shows nobody that a unit booted since it signed off says that it is outside."""
+    for where, what, instead in RESTORED["booted-leaver-unheard"]():
+        patch.setattr(where, what, instead)
 
 
 @switch

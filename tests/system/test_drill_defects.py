@@ -333,6 +333,10 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "silent_after_it_has_left",
             "booted and told that it is off the line, it is heard of, and the portal is free",
         ),
+        "58g_left_uncounted_and_booted": (
+            "forgets_who_booted_as_it_left",
+            "it may have forgotten, which is shown",
+        ),
         "59_unit_barred": ("frees_what_a_barred_unit_holds", Checker.ONE_TRAIN_A_SECTION),
         "59b_unit_claims_falsely": ("bars_nobody", "the line goes on while it is mad"),
         "70_no_fix_before_the_mark": (

@@ -33,6 +33,24 @@ def test_every_state_is_safe_and_alive(budgets: Budgets) -> None:
 
 
 @pytest.mark.parametrize(
+    "budgets",
+    others_nightly((Budgets(power=2), Budgets(loss=1, delay=1, power=2)), [Budgets(power=2)]),
+)
+def test_one_train_is_safe_and_leaves_a_line_that_is_free(budgets: Budgets) -> None:
+    """Two power cuts; the next train could come in."""
+    found = explored(ExploredLine(trains=1, budgets=budgets))
+    assert found.holds, found.story
+
+
+def test_one_train_can_leave_a_line_that_is_never_free_again() -> None:
+    with restored("booted-leaver-unheard"):
+        found = explored(ExploredLine(trains=1, budgets=Budgets(power=2)))
+    assert not found.broken
+    assert found.dead > 0
+    assert found.story[-1] == "u1 power fails"
+
+
+@pytest.mark.parametrize(
     "budgets", others_nightly((Budgets(), Budgets(loss=1), Budgets(power=1)), [Budgets()])
 )
 def test_three_trains_are_safe_and_alive(budgets: Budgets) -> None:
@@ -96,10 +114,14 @@ def test_a_leaver_in_dispute_that_counts_as_on_the_line_can_hold_a_section_for_e
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("name", ["counted-out-forgotten", "silent-off-the-line"])
-def test_a_train_that_has_left_can_hold_its_portal_for_ever_if_its_unit_then_boots(name: str) -> None:
+@pytest.mark.parametrize(
+    "names", [("counted-out-forgotten", "booted-leaver-unheard"), ("silent-off-the-line",)]
+)
+def test_a_train_that_has_left_can_hold_its_portal_for_ever_if_its_unit_then_boots(
+    names: tuple[str, ...],
+) -> None:
     line = ExploredLine(budgets=Budgets(delay=1, power=1))
-    with restored(name):
+    with restored(*names):
         found = explored(line)
     assert not found.broken
     assert found.dead > 0

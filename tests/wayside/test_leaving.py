@@ -18,15 +18,17 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
-from tests.wayside.manager_desk import Desk, defined
+from tests.wayside.manager_desk import CONFIG, KEYS, Desk, defined
 from verify.restored import restored
-from wayside import block_manager, leaving
-from wayside.actions import Send
+from wayside import acts, block_manager, leaving
+from wayside.actions import Send, Show
 from wayside.block_manager import Heard
+from wayside.leaving import FORGOTTEN_OR_GONE
 from wayside.reentry import Step
-from wayside.register import Register, UnitStanding
+from wayside.register import Register, UnitStanding, start
 from wayside.said import (
     Accepted,
+    AcceptPicture,
     BoundaryPassed,
     ConfirmedByHand,
     ConfirmHolding,
@@ -52,6 +54,14 @@ def claims(desk: Desk, *section_ids: str, epoch: int = 1, fresh: bool = True) ->
     """u1 says what it holds, and need not be answered."""
     event: Heard[Claim] = Heard("u1", epoch, fresh, 1, Claim(section_ids, 1))
     desk.register, _ = block_manager.step(desk.register, event, desk.now_s)
+
+
+def claim_shown(desk: Desk, claim: Claim, epoch: int) -> list[str]:
+    """Why the controller is shown a contradiction, if any."""
+    event: Heard[Claim] = Heard("u1", epoch, True, 1, claim)
+    desk.register, actions = block_manager.step(desk.register, event, desk.now_s)
+    notes = [action.note for action in actions if isinstance(action, Show)]
+    return [note.why for note in notes if isinstance(note, Contradicted)]
 
 
 def test_a_sign_off_is_accepted_and_frees_nothing() -> None:
@@ -301,6 +311,43 @@ def test_one_that_was_counted_out_has_left_when_it_says_so_in_a_later_boot() -> 
     assert (desk.standing("u1"), desk.register.held_by("u1")) == (UnitStanding.LEAVING, ("P9",))
     claims(desk, epoch=2)
     assert desk.register.holders == {}
+
+
+def test_booted_since_and_counted_by_nothing_its_word_is_shown_once_and_two_persons_must_say_so_too() -> None:
+    """Found by `branchline verify explore 0/0/2/0`: the manager had no power as the train left, and then its unit."""
+    desk = signed_off()
+    shown = [claim_shown(desk, Claim((), 0), epoch=2) for _ in range(2)]
+    assert shown == [[FORGOTTEN_OR_GONE], []]
+    desk.act(ConfirmOutside("u1", "Mori", "P9"))
+    for _ in range(acts.ASKED_IN_VAIN):
+        assert ("u1", ClaimQuery()) in desk.ask(desk.now_s + 10.0)
+        claims(desk, epoch=2)
+    assert desk.register.held_by("u1") == ("P9",)
+    desk.act(ConfirmOutside("u1", "Sato", "P9"))
+    assert desk.register.holders == {}
+
+
+def test_while_the_line_is_restored_that_leaves_nothing_to_be_swept() -> None:
+    """It has claimed its portal and no more."""
+    desk = Desk()
+    desk.register = start(CONFIG, 2, KEYS, frozenset({"u1"}))
+    desk.hear("u1", LeavingClaim(("P9",), 0))
+    assert claim_shown(desk, Claim((), 0), epoch=2) == [FORGOTTEN_OR_GONE]
+    desk.now_s = 100.0
+    for word in (ConfirmOutside("u2", "Sato"), ConfirmOutside("u3", "Sato"), AcceptPicture("Sato")):
+        desk.act(word)
+    assert desk.register.defined
+    assert (desk.register.holders, desk.register.unswept) == ({"P9": "u1"}, frozenset())
+
+
+def test_that_is_not_shown_without_its_rule(monkeypatch: pytest.MonkeyPatch) -> None:
+    with restored("booted-leaver-unheard"), pytest.raises(AssertionError):
+        test_booted_since_and_counted_by_nothing_its_word_is_shown_once_and_two_persons_must_say_so_too()
+    monkeypatch.setattr(
+        leaving, "says_gone", lambda register, heard: leaving.left_line(register, heard.unit_id)
+    )
+    with pytest.raises(AssertionError):
+        test_booted_since_and_counted_by_nothing_its_word_is_shown_once_and_two_persons_must_say_so_too()
 
 
 def test_a_manager_started_again_asks_one_that_leaves_until_it_has() -> None:
