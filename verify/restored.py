@@ -108,6 +108,13 @@ def _old_token_obeyed() -> tuple[Change, ...]:
     return (point_terminal, "refusal", forgetful), (point_terminal, "TABLE", MappingProxyType(table))
 
 
+def _repeated_command_throws() -> tuple[Change, ...]:
+    """A terminal throws points again for any command since it has withdrawn their proof."""
+    table = dict(point_terminal.TABLE)
+    table[PointsState.UNPROVEN, Commanded] = point_terminal._command
+    return ((point_terminal, "TABLE", MappingProxyType(table)),)
+
+
 def _proves_undetected() -> tuple[Change, ...]:
     """A terminal proves points as they are commanded, before they lie so."""
 
@@ -147,6 +154,7 @@ RESTORED: Final[MappingProxyType[str, Callable[[], tuple[Change, ...]]]] = Mappi
         "booted-at-its-mark-keeps-all": _booted_at_its_mark_keeps_all,
         "old-token-obeyed": _old_token_obeyed,
         "proves-undetected": _proves_undetected,
+        "repeated-command-throws": _repeated_command_throws,
         "emergency-kept": _emergency_kept,
     }
 )

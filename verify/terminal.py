@@ -76,9 +76,9 @@ TerminalHappening = Happening[TerminalState, InAir]
 
 
 def plain(terminal: Terminal) -> PlainTerminal:
-    """The terminal without times and without correlations of commands, which nobody reads."""
+    """The terminal without times."""
     views = {
-        points_id: replace(view, correlation=0, deadline_s=None if view.deadline_s is None else 0.0)
+        points_id: replace(view, deadline_s=None if view.deadline_s is None else 0.0)
         for points_id, view in terminal.views.items()
     }
     terminal = replace(terminal, views=views)
@@ -87,7 +87,7 @@ def plain(terminal: Terminal) -> PlainTerminal:
         tuple(sorted(memory.tokens.items())),
         tuple(sorted(memory.commitments.items())),
         memory.bars,
-        tuple((points_id, v.state, v.detected, v.deadline_s) for points_id, v in sorted(views.items())),
+        tuple((p, v.state, v.detected, v.deadline_s, v.correlation) for p, v in sorted(views.items())),
     )
     return PlainTerminal(terminal, key)
 
@@ -181,7 +181,7 @@ class TerminalModel:
         sends = [action for action in actions if isinstance(action, Send)]
         units = [self.units.index(send.destination) for send in sends]
         return tuple(
-            (unit, InAir(state.epoch, state.heard[unit], 0, send.message))
+            (unit, InAir(state.epoch, state.heard[unit], send.correlation, send.message))
             for unit, send in zip(units, sends, strict=True)
         )
 

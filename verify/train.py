@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 from msgspec.structs import replace
 
-from onboard.authority.letters import NO_NUMBERS, CommandedPoints, LetterNumbers, Letters
+from onboard.authority.letters import NO_NUMBERS, LetterNumbers, Letters
 from onboard.authority.records import (
     Authority,
     Commit,
@@ -57,6 +57,9 @@ TAGS_AT: Final = (
     PLACES_A_SPAN,
     END,
 )  # where the front reads a tag: whole in the second span, and at the mark
+
+# Commands of the same points are numbered 1 and 2 in turn: no more than two of them are ever told apart.
+OTHER_COMMAND: Final = (1, 2, 1)
 
 
 class TrainPlace(Enum):
@@ -140,15 +143,21 @@ class ExploredTrain:
 
     def _done(self, state: TrainState, letters: Letters, actions: tuple[Action, ...]) -> TrainStep:
         timers, sends = set(state.timers), list[tuple[int, InAir]]()
+        given = {points: known.correlation for points, known in state.numbers.commanded}
         for action in actions:
             match action:
                 case SendRequest() | SendClaim() | SendRefusal() | SendCommand():
                     letter = letters.write(action)
                     peer = PEERS.index(letter.destination)
-                    # No one reads the correlation of a command, nor that of a proof.
-                    number = 0 if isinstance(letter.message, PointsCommand) else letter.correlation
+                    message = letter.message
+                    number = (
+                        given[message.points_id] if isinstance(message, PointsCommand) else letter.correlation
+                    )
                     sends.append((peer, InAir(state.epoch, state.heard[peer], number, letter.message)))
-                case Renew() | Commit() | Take():
+                case Commit(needed):
+                    letters.keep(action)
+                    given[needed.points_id] = OTHER_COMMAND[given.get(needed.points_id, 0)]
+                case Renew() | Take():
                     letters.keep(action)
                 case SetTimer(timer) | SetTimerAt(timer):
                     timers.add(timer)
@@ -166,7 +175,9 @@ class ExploredTrain:
                     state = state._replace(may_leave=True)
                 case _:
                     pass
-        state = state._replace(timers=frozenset(timers), numbers=letters.numbers)
+        commanded = tuple((p, known._replace(correlation=given[p])) for p, known in letters.numbers.commanded)
+        numbers = letters.numbers._replace(commanded=commanded)
+        state = state._replace(timers=frozenset(timers), numbers=numbers)
         return TrainStep(self.told_apart(state), tuple(sends))
 
     def told_apart(self, state: TrainState) -> TrainState:
@@ -218,7 +229,4 @@ def _in_use(authority: Authority, numbers: LetterNumbers) -> LetterNumbers:
         open=tuple(item for item in numbers.open if item[0] in open_kinds),
         tokens=tuple(item for item in numbers.tokens if item[0] in authority.held),
         macs=tuple(item for item in numbers.macs if item[0][0] in authority.held),
-        commanded=tuple(
-            (points_id, CommandedPoints(known.token, known.mac, 0)) for points_id, known in numbers.commanded
-        ),
     )

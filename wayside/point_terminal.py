@@ -246,6 +246,18 @@ def _command_while_proven(terminal: Terminal, event: Commanded, now_s: float) ->
     return _with(terminal, view), (_proof(view, commitment),)
 
 
+def _command_while_unproven(terminal: Terminal, event: Commanded, now_s: float) -> TerminalStep:
+    """Repeated as it was when it was proven, it may have been sent before the withdrawal was heard, and the proof be
+    believed yet: withdrawn again, and nothing is thrown. Else throw.
+    """
+    command = event.message
+    view, commitment = terminal.views[command.points_id], terminal.memory.commitments[command.points_id]
+    repeated = (command.token, event.correlation) == (commitment.token, view.correlation)
+    if view.deadline_s is not None and repeated:
+        return terminal, (_proof(view, commitment),)
+    return _command(terminal, event, now_s)
+
+
 def _detect(terminal: Terminal, event: PointsDetected, _now_s: float) -> TerminalStep:
     """Remembered; no telegram is sent."""
     return _with(terminal, replace(terminal.views[event.points_id], detected=event)), ()
@@ -369,7 +381,7 @@ TABLE: Final[Mapping[tuple[PointsState, type], Callable[[Terminal, Any, float], 
             (PointsState.THROWING, PointsDetected): _detect_committed,
             (PointsState.PROVEN, Commanded): _command_while_proven,
             (PointsState.PROVEN, PointsDetected): _detect_proven,
-            (PointsState.UNPROVEN, Commanded): _command,
+            (PointsState.UNPROVEN, Commanded): _command_while_unproven,
             (PointsState.UNPROVEN, PointsDetected): _detect_committed,
             (PointsState.REMEMBERED, Commanded): _command,
             (PointsState.REMEMBERED, PointsDetected): _detect_remembered,

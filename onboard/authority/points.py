@@ -64,12 +64,17 @@ def withdrawn(state: Authority, event: Withdrawn) -> Result:
 
 
 def proof(state: Authority, event: ProofHeard) -> Result:
-    """Proven, if detected and locked as commanded, under that token; a proof that no longer holds is dropped."""
+    """Proven, if detected and locked as commanded, in answer to the command; a proof that no longer holds is dropped.
+
+    A command whose proof is withdrawn is given anew, so that the terminal knows that this has been heard.
+    """
     for needed in (*(c.needed for c in state.commands), *state.unsaid):
         if (needed.points_id, needed.terminal_id) != (event.points_id, event.terminal_id):
             continue
-        if event.position != needed.position.value or not event.mine:
+        if not event.mine:
             return state, ()
+        if event.position != needed.position.value:
+            return state, (Commit(needed),)
         over = [c for c in state.commands if c.needed == needed]
         proven = replace(
             state,

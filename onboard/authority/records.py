@@ -252,7 +252,9 @@ class EarlierBootCalled(msgspec.Struct, frozen=True, tag=True):
 
 
 class ProofHeard(msgspec.Struct, frozen=True, tag=True):
-    """A terminal shows points: `position` None where none is detected and locked; `mine`: under the token commanded."""
+    """A terminal shows points: `position` None where none is detected and locked; `mine`: under the token commanded, in
+    answer to the command as it was given last.
+    """
 
     points_id: str
     terminal_id: str
@@ -261,7 +263,7 @@ class ProofHeard(msgspec.Struct, frozen=True, tag=True):
 
 
 class PointsDenialHeard(msgspec.Struct, frozen=True, tag=True):
-    """A terminal refuses a command; `mine` as above; `stale`: the grant that the unit goes by is not the newest."""
+    """A terminal refuses a command; `mine`: under the token commanded; `stale`: the unit's grant is not the newest."""
 
     points_id: str
     terminal_id: str

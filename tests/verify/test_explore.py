@@ -32,14 +32,29 @@ def test_every_state_is_safe_and_alive(budgets: Budgets) -> None:
     assert found.holds, found.story
 
 
-@pytest.mark.parametrize(
-    "budgets",
-    others_nightly((Budgets(power=2), Budgets(loss=1, delay=1, power=2)), [Budgets(power=2)]),
+ONE_TRAIN = (
+    Budgets(power=2),
+    Budgets(loss=1, delay=1, points=1),
+    Budgets(loss=1, delay=1, power=2),
+    Budgets(loss=1, power=1, points=1),
+    Budgets(loss=1, delay=1, power=1, word=1),
 )
+
+
+@pytest.mark.parametrize("budgets", others_nightly(ONE_TRAIN, ONE_TRAIN[:2]))
 def test_one_train_is_safe_and_leaves_a_line_that_is_free(budgets: Budgets) -> None:
-    """Two power cuts; the next train could come in."""
+    """The next could come in."""
     found = explored(ExploredLine(trains=1, budgets=budgets))
     assert found.holds, found.story
+
+
+def test_a_command_that_is_repeated_can_throw_points_under_who_believes_their_proof() -> None:
+    """Sent before the proof was heard, and carried out since that is withdrawn, which was lost."""
+    line = ExploredLine(trains=1, budgets=Budgets(loss=1, delay=1, points=1))
+    with restored("repeated-command-throws"):
+        found = explored(line)
+    assert found.broken == "points do not lie, or are not locked, as the train on them needs"
+    assert "t2 loses PointsProof PY False False" in found.story
 
 
 def test_one_train_can_leave_a_line_that_is_never_free_again() -> None:

@@ -72,12 +72,19 @@ class Station:
         self.do(Expired())
 
     def command(
-        self, points: str, position: Position, token: int, unit: str = "u1", section: str | None = None
+        self,
+        points: str,
+        position: Position,
+        token: int,
+        unit: str = "u1",
+        section: str | None = None,
+        anew: int = 0,
     ) -> list[AnyMessage]:
+        """What is said to a command; `anew`: how often it has been given anew, since a proof was withdrawn."""
         granted = section or SECTION[points]
         code = capability_mac(KEY, "t", granted, unit, token)
         self.said = []
-        self.do(Commanded(unit, token, PointsCommand(points, position, granted, token, code)))
+        self.do(Commanded(unit, 10 * token + anew, PointsCommand(points, position, granted, token, code)))
         return self.said
 
     def states(self) -> dict[str, PointsState]:
@@ -137,9 +144,12 @@ def test_one_loses_its_detection_only_its_proof_is_withdrawn(lost: str) -> None:
     station.set(replace(station.machines[lost], detection_fault=True))
     assert station.said == [proof(lost, None, token)]
     assert station.states() == dict.fromkeys(SECTION, PointsState.PROVEN) | {lost: PointsState.UNPROVEN}
-    # Asked again it throws once more, and proves nothing that it does not see.
+    # The unit may believe the proof: its command of before throws nothing. Given anew it throws once more, and proves
+    # nothing that is not seen.
     unit = station.terminal.memory.commitments[lost].unit_id
-    assert station.command(lost, R, token, unit) == []
+    assert station.command(lost, R, token, unit) == [proof(lost, None, token)]
+    assert station.states()[lost] is PointsState.UNPROVEN
+    assert station.command(lost, R, token, unit, anew=1) == []
     station.wait(10.0)
     assert station.said == [PointsRefused(lost, PointsRefusalReason.NOT_DETECTED, token)]
 

@@ -241,9 +241,8 @@ def test_a_sign_off_is_accepted_only_in_answer(letters: Letters) -> None:
 @pytest.mark.parametrize(("token", "mine"), [(20, True), (19, False), (21, False)])
 def test_a_proof_is_mine_only_under_the_token_commanded(holding: Letters, token: int, mine: bool) -> None:
     holding.keep(Commit(P5))
-    assert holding.read(heard(proof(token), source=TERMINAL)) == sym.ProofHeard(
-        "P5", TERMINAL, "normal", mine
-    )
+    answer = heard(proof(token), holding.numbers.correlation, source=TERMINAL)
+    assert holding.read(answer) == sym.ProofHeard("P5", TERMINAL, "normal", mine)
     refused = radio.PointsRefused("P5", radio.PointsRefusalReason.OLD_TOKEN, token)
     assert holding.read(heard(refused, source=TERMINAL)) == sym.PointsDenialHeard(
         "P5", TERMINAL, "old token", mine, stale=True
@@ -262,6 +261,13 @@ def test_a_refusal_of_the_grant_is_told_from_one_of_the_points(
     assert event.stale is (reason in grants)
 
 
+def test_a_proof_that_answers_the_command_before_it_was_given_anew_is_not_mine(holding: Letters) -> None:
+    holding.keep(Commit(P5))
+    late = heard(proof(20), holding.numbers.correlation, source=TERMINAL)
+    holding.keep(Commit(P5))
+    assert holding.read(late) == sym.ProofHeard("P5", TERMINAL, "normal", mine=False)
+
+
 def test_a_proof_of_points_never_commanded_is_nobodys(holding: Letters) -> None:
     assert holding.read(heard(proof(), source=TERMINAL)) == sym.ProofHeard(
         "P5", TERMINAL, "normal", mine=False
@@ -271,7 +277,7 @@ def test_a_proof_of_points_never_commanded_is_nobodys(holding: Letters) -> None:
 @pytest.mark.parametrize("lacking", [{"locked": False}, {"detected": False}, {"position": None}])
 def test_only_what_is_detected_and_locked_is_a_position(holding: Letters, lacking: dict[str, object]) -> None:
     holding.keep(Commit(P5))
-    event = holding.read(heard(proof(**lacking), source=TERMINAL))
+    event = holding.read(heard(proof(**lacking), holding.numbers.correlation, source=TERMINAL))
     assert event == sym.ProofHeard("P5", TERMINAL, None, mine=True)
 
 
