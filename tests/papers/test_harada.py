@@ -10,8 +10,9 @@ import pytest
 
 from network.model import Line
 from onboard.localisation.curvature_map import CurvatureMap
+from onboard.localisation.fix import TAKEN
 from papers import harada_accuracy, harada_beacons, harada_loop_track, harada_slide
-from papers.harada_bench import CREEP_SHARE, TREAD_CONICITY, PlannedTrip, TripRun, bounds_row
+from papers.harada_bench import CREEP_SHARE, TREAD_CONICITY, PlannedTrip, TripRun, Watch, bounds_row
 from papers.harada_loop_track import NO_THRESHOLD_PER_M
 from papers.mountain_line import (
     CHECK_POINTS,
@@ -123,6 +124,16 @@ def test_harada_loop_track_and_without_the_mismatch_rule_it_is_not_noticed() -> 
     assert blind.fixes_inside > 0  # it fails by what it takes, not because nothing was noticed
 
 
+@pytest.mark.parametrize("noticed_at_m", [50.0, 2000.0])
+def test_a_loop_that_is_noticed_behind_it_has_the_fixes_that_were_taken_on_it(noticed_at_m: float) -> None:
+    """From where it had to be noticed at the latest they count, whenever it was."""
+    watched = Watch(0.0, 3000.0, 1e-4)
+    watched._seen = [{"true_m": at_m, "outcome": TAKEN} for at_m in (320.0, 580.0, 620.0)]
+    ride = SimpleNamespace(foreign_at_m=lambda from_m, _to_m: [from_m + noticed_at_m])
+    loop = harada_loop_track.Loop(cast("TripRun", ride), watched, 0.0, 600.0)
+    assert loop.fixes_inside == 2
+
+
 def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> None:
     """One run over the first stations; by wheels alone the errors grow with the way."""
     bench = harada_accuracy.bench_of(1, 3, 1)
@@ -138,6 +149,19 @@ def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> Non
     assert off.rides[0].result.out_m <= 0.0
     rows = harada_accuracy.rows_of(off, [space], [], "")
     assert "the same with " in missed(rows)  # what is worse than the filter off is not the filter in space
+
+
+@pytest.mark.parametrize(("passed", "within"), [(200, True), (199, False)])
+def test_check_points_that_were_not_passed_are_not_within_2_m(passed: int, within: bool) -> None:
+    """Figure 5 is of all 800: a train that stays on the way has fewer errors, not smaller ones."""
+    place = SimpleNamespace(line=SimpleNamespace(tags=range(200)))
+    ride = SimpleNamespace(
+        trip=SimpleNamespace(place=place),
+        errors_m=np.zeros(passed),
+        result=SimpleNamespace(out_m=-1.0, held=True, arrived=False),
+    )
+    runs = harada_accuracy.CaseRuns("", (cast("TripRun", ride),))
+    assert harada_accuracy.accuracy(runs)[1].passed is within
 
 
 @pytest.mark.nightly
