@@ -12,7 +12,6 @@ from papers.single_hop import TimedHop
 from papers.yasunobu_cells import PUNCTUAL_S, DrivingWay, EnergyCell, run_cells, settings_of
 from papers.yasunobu_energy import (
     BALANCED_KMH,
-    NOMINAL_S,
     SAVING_SHARE,
     gradient_row,
     judged_claims,
@@ -23,6 +22,7 @@ from papers.yasunobu_energy import (
     saved_percent,
     saving_rows,
 )
+from papers.yasunobu_train import NOMINAL_S
 
 
 @pytest.fixture(scope="module")
