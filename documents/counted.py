@@ -82,7 +82,7 @@ def slices(kept: Mapping[str, Mapping[str, object]]) -> dict[str, str]:
 def slices_rule(root: Path, excepted: frozenset[str]) -> StructureRule:
     """A slice's figures look like those of all runs."""
     file = root / KEPT
-    kept = json.loads(file.read_text("utf-8")) if file.exists() else {}
+    kept: dict[str, dict[str, object]] = json.loads(file.read_text("utf-8")) if file.exists() else {}
     short = slices(kept)
     new = [
         f"{name}: {short[name]}; `make reproductions NAMES={name}`"
