@@ -95,6 +95,20 @@ def test_on_slipping_wheels_a_beacon_is_misread_and_without_the_slip_none_is() -
     assert not misread & set(missed(harada_beacons.beacon_rows(harada_beacons.by_paper(1), dry, dry)))
 
 
+@pytest.mark.parametrize(("astray", "found"), [("X", True), ("B", False)])
+def test_a_beacon_that_no_database_has_corrects_nothing(astray: str, found: bool) -> None:
+    """At X a train on wheels that roll is as wrong as the wheels by then (2.01 m with seed 3), and rightly so."""
+
+    def error_at_m(name: str) -> float:
+        return 2.01 if name == astray else 0.1
+
+    ride = SimpleNamespace(result=SimpleNamespace(held=True, out_m=1.0))
+    made = SimpleNamespace(error_at_m=error_at_m, failed_at_m=None, figures={}, ride=ride)
+    dry = cast("harada_beacons.Method", made)
+    row, *_ = harada_beacons.beacon_rows(dry, dry, dry)
+    assert row.passed is found
+
+
 @pytest.mark.parametrize("arrived", [True, False])
 def test_a_train_that_stays_on_the_way_does_not_go_by_curvature(arrived: bool) -> None:
     """What it would believe further on nobody has seen, however right it was so far."""
