@@ -128,7 +128,12 @@ def test_a_train_that_stays_on_the_way_does_not_go_by_curvature(arrived: bool) -
 def test_harada_slide_and_without_the_mismatch_rule_it_is_not_declared() -> None:
     assert missed(harada_slide.reproduce(Options()).rows) == []
     blind = harada_slide.run_slide(1, Curvature(mismatch_per_m=NO_THRESHOLD_PER_M))
-    assert "the track counts as foreign" in missed(blind.rows())
+    assert missed(blind.rows()) == ["the track counts as foreign"]
+    wheels = harada_slide.run_slide(1, carries=())
+    assert set(missed(wheels.rows())) == set(harada_slide.reproduce.null.fails)
+    for without in (blind, wheels):  # so nothing can be judged by it
+        assert without.false_fixes == 0
+        assert not next(row for row in without.rows() if row.case.startswith("false fixes")).judged
 
 
 def test_harada_loop_track_and_without_the_mismatch_rule_it_is_not_noticed() -> None:
