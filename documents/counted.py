@@ -1,4 +1,4 @@
-"""What grows unless it is counted: names taken twice, lines, lists of fields that are restated.
+"""What grows unless it is counted: names taken twice, lines, lists of fields that are restated, figures of a slice.
 
 `documents/ceilings.toml` has what there still is of each. It may only shrink: a name or figure in it that is no
 longer so is an error too, so that what was mended stays mended.
@@ -7,6 +7,7 @@ longer so is an error too, so that what was mended stays mended.
 from __future__ import annotations
 
 import ast
+import json
 import tomllib
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,6 +19,8 @@ from typing import Final
 from documents.structure_rule import LAYERS, PRODUCT, TESTS, StructureRule
 
 CEILINGS: Final = Path(__file__).with_name("ceilings.toml")
+KEPT: Final = "documents/reproductions.json"
+UNSAID: Final = "nothing says that it comes of all runs"
 FIELDS_MIN: Final = 6  # as many names in a row, in one order, make a list of fields
 ROOM_SHARE_MAX: Final = 0.15
 # Of what it bounds: room for what one recipe adds. A ceiling further above that is to be lowered.
@@ -28,12 +31,13 @@ DIVIDED: Final = "study"  # its folders are rooms of their own
 
 @dataclass(frozen=True, slots=True)
 class Ceilings:
-    """What may still be. `pairs`: of restated lists of fields."""
+    """What may still be. `pairs`: of restated lists of fields; `slices`: reproductions kept of a short slice."""
 
     class_names: frozenset[str]
     product_lines: int
     test_lines: int
     pairs: int
+    slices: frozenset[str] = frozenset()
 
 
 def ceilings(file: Path = CEILINGS) -> Ceilings:
@@ -44,6 +48,7 @@ def ceilings(file: Path = CEILINGS) -> Ceilings:
         said["product_lines"],
         said["test_lines"],
         said["pairs"],
+        frozenset(said["slices"]),
     )
 
 
@@ -66,6 +71,26 @@ def class_names_rule(product: Mapping[Path, ast.Module], excepted: frozenset[str
     gone = [_take_out(name, "class_names") for name in sorted(excepted - twice.keys())]
     found = f"{len(places)} names, {len(twice)} of them still taken more than once"
     return StructureRule("no class name twice", found, (*new, *gone))
+
+
+def slices(kept: Mapping[str, Mapping[str, object]]) -> dict[str, str]:
+    """What was left out of kept reproductions that do not come of all their runs, by name."""
+    said = {name: str(one.get("slice", UNSAID)) for name, one in kept.items()}
+    return {name: text for name, text in said.items() if text}
+
+
+def slices_rule(root: Path, excepted: frozenset[str]) -> StructureRule:
+    """A slice's figures look like those of all runs."""
+    file = root / KEPT
+    kept: dict[str, dict[str, object]] = json.loads(file.read_text("utf-8")) if file.exists() else {}
+    short = slices(kept)
+    new = [
+        f"{name}: {short[name]}; `make reproductions NAMES={name}`"
+        for name in sorted(short.keys() - excepted)
+    ]
+    gone = [_take_out(name, "slices") for name in sorted(excepted - short.keys())]
+    found = f"{len(kept)}, {len(short)} of them still of a short slice"
+    return StructureRule("no figure of a slice among the reproductions", found, (*new, *gone))
 
 
 def sizes_rule(root: Path, ceiling: Ceilings) -> StructureRule:
@@ -152,6 +177,7 @@ def rules(root: Path, ceiling: Ceilings) -> tuple[StructureRule, ...]:
     return (
         class_names_rule(product, ceiling.class_names),
         sizes_rule(root, ceiling),
+        slices_rule(root, ceiling.slices),
         field_lists_rule(product, ceiling.pairs),
     )
 

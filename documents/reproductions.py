@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, cast
 
+from documents.counted import slices
 from documents.page import write_page
 from papers.reproduction import CaseRow, Options, Reproduction
 from papers.specification import REPRODUCTIONS, reproduction
@@ -45,12 +46,14 @@ def kept_of(found: Reproduction) -> dict[str, Any]:
     nulls = {row.case.removeprefix(without): row for row in found.rows if row.case.startswith(without)}
     own = [row for row in found.rows if not row.case.startswith(without)]
     judged = [row for row in own if row.judged]
-    idea = [row for row in judged if row.case in nulls or row.case.endswith(found.null.fails)]
+    idea = [row for row in judged if row.case in nulls]
+    idea = idea or [row for row in judged if row.case.endswith(found.null.fails)]  # of another number of runs
     leads = next((row for row in idea if row.passed), idea[0] if idea else None)
     first = next(iter(nulls.values()))
     null = first if leads is None else nulls.get(leads.case, first)
     return {
         "title": found.title,
+        "slice": found.slice,
         "leads": None if leads is None else _row(leads),
         "null_method": found.null.name,
         "null": _row(null),
@@ -108,6 +111,7 @@ def _line(name: str, one: Mapping[str, Any] | None) -> str:
         "criterion": "",
     }
     met = f"{one['judged'] - len(one['missed'])} of {one['judged']}"
+    met += "".join(f" (**{text}**)" for text in slices({name: one}).values())
     without = one["null_method"] + ("" if one["null_held"] else " (**meets it too**)")
     if leads in one["missed"]:  # of the cases by which the idea is told apart it meets none
         without += " (**neither meets it, which shows nothing**)"

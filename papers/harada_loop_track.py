@@ -52,9 +52,9 @@ class Loop:
     def fixes_inside(self) -> int:
         """Looks on the loop at which the last note of curvature is a fix that was used.
 
-        Counted from where it was noticed; where it never was, from where it had to be at the latest.
+        Counted from where it was noticed, or had to be at the latest.
         """
-        behind_m = self.noticed[0] if self.noticed else NOTICED_WITHIN_M
+        behind_m = min([*self.noticed, NOTICED_WITHIN_M])
         rows = self.watched.moments_between(self.from_m + behind_m, self.to_m)
         return int(np.count_nonzero(rows["outcome"] == TAKEN))
 

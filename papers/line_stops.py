@@ -64,8 +64,10 @@ class Fleet:
 
 
 def errors_m(run: FinishedRun) -> NDArray[np.float64]:
-    """Errors of all stops of a run at marks, m."""
-    return np.array([stop.error_m for stop in run.result.stops if stop.error_m is not None])
+    """Errors of all stops of a run at marks, m; infinite for each train that did not come to its last one."""
+    made = [stop.error_m for stop in run.result.stops if stop.error_m is not None]
+    missing = run.summary["trains_planned"] - run.summary["trains_arrived"]
+    return np.array([*made, *[np.inf] * missing])
 
 
 def run_fleet(scenario: Scenario) -> Fleet:
@@ -105,7 +107,7 @@ def figures(errors: NDArray[np.float64]) -> dict[str, float]:
     return {
         "within_0.35_m": round(float(np.mean(away <= NEAR_M)), 4),
         "within_0.5_m": round(float(np.mean(away <= FAR_M)), 4),
-        "sigma_m": round(float(errors.std()), 3),
+        "sigma_m": round(float(errors.std()), 3) if np.isfinite(errors).all() else np.inf,
         "worst_m": round(float(away.max()), 3),
         "stops": errors.size,
     }

@@ -76,7 +76,7 @@ class UnjudgedFigure:
 class Reproduction:
     """The result of `branchline reproduce NAME`; `beside` heads the rows' second column, empty: there is none.
 
-    `rows` have those of the null method among them, else ValueError.
+    `slice`: what was left out, empty: nothing. `rows` have those of the null method among them, else ValueError.
     """
 
     name: str
@@ -86,6 +86,7 @@ class Reproduction:
     remarks: tuple[str, ...] = ()
     figures: tuple[UnjudgedFigure, ...] = ()
     beside: str = ""
+    slice: str = ""
     null: NullMethod = field(kw_only=True)
 
     def __post_init__(self) -> None:
@@ -108,6 +109,7 @@ class Reproduction:
             "title": self.title,
             "passed": self.passed,
             "null_method": self.null.name,
+            "slice": self.slice,
             "parameters": [asdict(parameter) for parameter in self.parameters],
             "rows": [
                 {

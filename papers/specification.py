@@ -114,8 +114,9 @@ class Specification:
         rows, remarks = list(found.rows), list(found.remarks)
         if options.out is not None and found.draw is not None:
             remarks.append("drawn: " + ", ".join(path.name for path in found.draw(Path(options.out))))
-        if options.quick and self.slice:
-            remarks.append(self.slice)
+        left_out = self.slice if options.quick else ""
+        if left_out:
+            remarks.append(left_out)
             rows = [_of_slice(row) if row.case in self.whole else row for row in rows]
         return Reproduction(
             self.name,
@@ -125,6 +126,7 @@ class Specification:
             tuple(remarks),
             tuple(found.figures),
             self.beside,
+            left_out,
             null=self.null,
         )
 
@@ -159,4 +161,4 @@ def equal_figure(case: str, paper: object, ours: object, criterion: str = "equal
 
 def reported_figure(case: str, ours: object, what: str, paper: object = None) -> CaseRow:
     """A figure that has no criterion."""
-    return CaseRow(case, paper, ours, True, f"{what}; {REPORTED}")
+    return CaseRow(case, paper, ours, True, f"{what}; {REPORTED}", judged=False)

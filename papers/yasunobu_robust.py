@@ -179,14 +179,18 @@ def hold_row(hops: Rows, fuzzy: ScatteredStops) -> CaseRow:
 def scatter_rows(fuzzy: ScatteredStops, pid: ScatteredStops) -> tuple[CaseRow, ...]:
     """What is quoted from reference 8."""
     sigma, changes = fuzzy.sigma_m / pid.sigma_m, fuzzy.brake_changes / pid.brake_changes
+    why = ""
+    if not np.isfinite(pid.sigma_m):
+        why = "; missed: no PID that stops"
+    elif not sigma <= SIGMA_SHARE:
+        why = f"; missed {sigma / SIGMA_SHARE:.0f} times: {WHY_EXACT}"
     return (
         CaseRow(
             "sigma of the stops, fuzzy over PID",
             "a third",
             round(sigma, 3),
-            sigma <= SIGMA_SHARE,
-            "at most a third"
-            + ("" if sigma <= SIGMA_SHARE else f"; missed {sigma / SIGMA_SHARE:.0f} times: {WHY_EXACT}"),
+            not why,
+            f"at most a third{why}",
         ),
         CaseRow(
             "changes of the brake notch a stop, fuzzy over PID",

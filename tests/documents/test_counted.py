@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from documents.counted import (
+    KEPT,
+    UNSAID,
     Ceilings,
     class_names_rule,
     field_lists_rule,
     sizes_rule,
+    slices_rule,
     trees,
 )
 
@@ -48,6 +52,19 @@ def test_a_class_name_taken_twice_is_found_in_whatever_package(tree: Path) -> No
 def test_a_name_that_is_unique_by_now_must_leave_the_list(tree: Path) -> None:
     (found,) = class_names_rule(trees(tree), frozenset({"Route"})).broken
     assert found == "Route: mended, take it out of `class_names` in ceilings.toml"
+
+
+def test_figures_of_a_slice_are_refused_and_so_are_those_that_do_not_say(tree: Path) -> None:
+    assert slices_rule(tree, frozenset()).broken == ()
+    kept = {"all": {"slice": ""}, "short": {"slice": "20 of 200 runs"}, "old": {"title": "Made up"}}
+    (tree / KEPT).parent.mkdir()
+    (tree / KEPT).write_text(json.dumps(kept), "utf-8")
+    old, short = slices_rule(tree, frozenset()).broken
+    assert old == f"old: {UNSAID}; `make reproductions NAMES=old`"
+    assert short == "short: 20 of 200 runs; `make reproductions NAMES=short`"
+    assert slices_rule(tree, frozenset({"old", "short"})).broken == ()
+    (gone,) = slices_rule(tree, frozenset({"all", "old", "short"})).broken
+    assert gone == "all: mended, take it out of `slices` in ceilings.toml"
 
 
 def test_lines_beyond_the_ceiling_and_a_ceiling_far_above_the_lines_are_both_told(tree: Path) -> None:

@@ -31,6 +31,15 @@ def test_the_case_that_leads_is_one_of_the_null_methods_that_is_met() -> None:
     assert [row["case"] for row in found["hangs_on"]] == ["the same by load"]
 
 
+def test_a_case_that_only_ends_like_that_of_the_null_method_does_not_lead() -> None:
+    """As `data items at 100 km/h` ends like `100 km/h`, by which the idea is told apart."""
+    null = NullMethod("nothing", ("100 km/h",))
+    own = (CaseRow("items at 100 km/h", 12, 12, True, ""), CaseRow("100 km/h", None, 0.1, True, ""))
+    rows = (*own, *null.rows([CaseRow("100 km/h", None, 9.0, False, "")]))
+    found = kept_of(Reproduction("made", "Made up", (), rows, null=null))
+    assert (found["leads"]["case"], found["null"]["ours"]) == ("100 km/h", 9.0)
+
+
 def test_a_figure_of_another_case_than_the_one_that_leads_is_named() -> None:
     name = next(iter(REPRODUCTIONS))
     assert "| nothing | 2 | 2 of 3 |" in document({name: kept_of(made())})
@@ -64,6 +73,15 @@ def test_what_is_kept_fails_without_its_idea() -> None:
     found = kept_outcomes()
     assert set(found) <= set(REPRODUCTIONS)
     assert [name for name, one in found.items() if not one["null_held"]] == []
+
+
+def test_what_comes_of_a_short_slice_says_so_on_the_page() -> None:
+    """A slice's figures look like those of all runs."""
+    name = next(iter(REPRODUCTIONS))
+    assert "| 2 of 3 (**20 of 200 runs**) |" in document(
+        {name: kept_of(replace(made(), slice="20 of 200 runs"))}
+    )
+    assert "| 2 of 3 |" in document({name: kept_of(made())})
 
 
 def test_a_cell_does_not_end_early() -> None:

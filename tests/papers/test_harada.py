@@ -10,8 +10,9 @@ import pytest
 
 from network.model import Line
 from onboard.localisation.curvature_map import CurvatureMap
+from onboard.localisation.fix import TAKEN
 from papers import harada_accuracy, harada_beacons, harada_loop_track, harada_slide
-from papers.harada_bench import CREEP_SHARE, TREAD_CONICITY, PlannedTrip, TripRun, bounds_row
+from papers.harada_bench import CREEP_SHARE, TREAD_CONICITY, PlannedTrip, TripRun, Watch, bounds_row
 from papers.harada_loop_track import NO_THRESHOLD_PER_M
 from papers.mountain_line import (
     CHECK_POINTS,
@@ -94,6 +95,20 @@ def test_on_slipping_wheels_a_beacon_is_misread_and_without_the_slip_none_is() -
     assert not misread & set(missed(harada_beacons.beacon_rows(harada_beacons.by_paper(1), dry, dry)))
 
 
+@pytest.mark.parametrize(("astray", "found"), [("X", True), ("B", False)])
+def test_a_beacon_that_no_database_has_corrects_nothing(astray: str, found: bool) -> None:
+    """At X a train on wheels that roll is as wrong as the wheels by then (2.01 m with seed 3), and rightly so."""
+
+    def error_at_m(name: str) -> float:
+        return 2.01 if name == astray else 0.1
+
+    ride = SimpleNamespace(result=SimpleNamespace(held=True, out_m=1.0))
+    made = SimpleNamespace(error_at_m=error_at_m, failed_at_m=None, figures={}, ride=ride)
+    dry = cast("harada_beacons.Method", made)
+    row, *_ = harada_beacons.beacon_rows(dry, dry, dry)
+    assert row.passed is found
+
+
 @pytest.mark.parametrize("arrived", [True, False])
 def test_a_train_that_stays_on_the_way_does_not_go_by_curvature(arrived: bool) -> None:
     """What it would believe further on nobody has seen, however right it was so far."""
@@ -113,7 +128,12 @@ def test_a_train_that_stays_on_the_way_does_not_go_by_curvature(arrived: bool) -
 def test_harada_slide_and_without_the_mismatch_rule_it_is_not_declared() -> None:
     assert missed(harada_slide.reproduce(Options()).rows) == []
     blind = harada_slide.run_slide(1, Curvature(mismatch_per_m=NO_THRESHOLD_PER_M))
-    assert "the track counts as foreign" in missed(blind.rows())
+    assert missed(blind.rows()) == ["the track counts as foreign"]
+    wheels = harada_slide.run_slide(1, carries=())
+    assert set(missed(wheels.rows())) == set(harada_slide.reproduce.null.fails)
+    for without in (blind, wheels):  # so nothing can be judged by it
+        assert without.false_fixes == 0
+        assert not next(row for row in without.rows() if row.case.startswith("false fixes")).judged
 
 
 def test_harada_loop_track_and_without_the_mismatch_rule_it_is_not_noticed() -> None:
@@ -121,6 +141,16 @@ def test_harada_loop_track_and_without_the_mismatch_rule_it_is_not_noticed() -> 
     blind = harada_loop_track.run_loop(1, Curvature(mismatch_per_m=NO_THRESHOLD_PER_M))
     assert "entering the loop is noticed" in missed(blind.rows(blind))
     assert blind.fixes_inside > 0  # it fails by what it takes, not because nothing was noticed
+
+
+@pytest.mark.parametrize("noticed_at_m", [50.0, 2000.0])
+def test_a_loop_that_is_noticed_behind_it_has_the_fixes_that_were_taken_on_it(noticed_at_m: float) -> None:
+    """From where it had to be noticed at the latest they count, whenever it was."""
+    watched = Watch(0.0, 3000.0, 1e-4)
+    watched._seen = [{"true_m": at_m, "outcome": TAKEN} for at_m in (320.0, 580.0, 620.0)]
+    ride = SimpleNamespace(foreign_at_m=lambda from_m, _to_m: [from_m + noticed_at_m])
+    loop = harada_loop_track.Loop(cast("TripRun", ride), watched, 0.0, 600.0)
+    assert loop.fixes_inside == 2
 
 
 def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> None:
@@ -138,6 +168,19 @@ def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> Non
     assert off.rides[0].result.out_m <= 0.0
     rows = harada_accuracy.rows_of(off, [space], [], "")
     assert "the same with " in missed(rows)  # what is worse than the filter off is not the filter in space
+
+
+@pytest.mark.parametrize(("passed", "within"), [(200, True), (199, False)])
+def test_check_points_that_were_not_passed_are_not_within_2_m(passed: int, within: bool) -> None:
+    """Figure 5 is of all 800: a train that stays on the way has fewer errors, not smaller ones."""
+    place = SimpleNamespace(line=SimpleNamespace(tags=range(200)))
+    ride = SimpleNamespace(
+        trip=SimpleNamespace(place=place),
+        errors_m=np.zeros(passed),
+        result=SimpleNamespace(out_m=-1.0, held=True, arrived=False),
+    )
+    runs = harada_accuracy.CaseRuns("", (cast("TripRun", ride),))
+    assert harada_accuracy.accuracy(runs)[1].passed is within
 
 
 @pytest.mark.nightly

@@ -1,6 +1,8 @@
 """Every reproduction of `branchline reproduce list` has a null method, and passes only where that one fails."""
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -78,6 +80,7 @@ def test_a_specification_runs_its_null_method_and_passes_only_where_that_one_fai
     result = made_up(Options(out="somewhere", quick=True))
     assert [row.passed for row in result.rows] == [True, passed]
     assert result.remarks == ("said", "drawn: made.svg", "short")
+    assert (result.slice, made_up(Options()).slice) == ("short", "")
     assert result.parameters == (Parameter("parameter set", "none", "", "said"),)
     assert made_up(Options()).remarks == ("said",)
 
@@ -99,6 +102,14 @@ def test_a_criterion_that_is_of_the_whole_is_told_of_a_slice_and_not_judged(quic
     assert row.criterion == ("of all runs, not judged of some: " if quick else "") + MISSED.criterion
 
 
+@pytest.mark.parametrize("name", REPRODUCTIONS)
+def test_what_leaves_runs_out_says_which(name: str) -> None:
+    """Else what comes of it would count as the whole."""
+    found = reproduction(name)
+    source = Path(str(sys.modules[f"papers.{name.replace('-', '_')}"].__file__)).read_text("utf-8")
+    assert bool(found.slice) == (".quick" in source)
+
+
 def test_rows_of_a_kind_say_what_they_ask_for() -> None:
     assert at_most("far, m", None, 1.23456, 1.3, digits=2) == CaseRow(
         "far, m", None, 1.23, True, "at most 1.3"
@@ -106,7 +117,8 @@ def test_rows_of_a_kind_say_what_they_ask_for() -> None:
     assert not at_most("far, m", None, 1.300001, 1.3).passed
     assert [none_of("lost", count).passed for count in (0, 1)] == [True, False]
     assert [equal_figure("items", 12, count).passed for count in (12, 11)] == [True, False]
-    assert reported_figure("width", 3, "told").criterion.endswith("not judged")
+    told = reported_figure("width", 3, "told")
+    assert (told.criterion.endswith("not judged"), told.judged) == (True, False)
 
 
 def test_what_is_drawn_evenly_is_what_is_printed() -> None:

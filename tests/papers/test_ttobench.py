@@ -8,7 +8,17 @@ import pytest
 
 from network.errors import InputError
 from papers.reproduction import Options
-from papers.ttobench import CROSS_CHECKS, CROSS_TRAIN, MeshPair, cross_row, pair_of, reproduce, row_of
+from papers.ttobench import (
+    CROSS_CHECKS,
+    CROSS_TRAIN,
+    CrossCheck,
+    MeshPair,
+    cross_case,
+    cross_row,
+    pair_of,
+    reproduce,
+    row_of,
+)
 from papers.ttobench_files import course_of, read_track, read_tracks, read_train, read_trains
 from vehicle.optimum import least_time
 from vehicle.optimum.proof import proven_run
@@ -177,6 +187,21 @@ def test_the_slice_is_proven_and_our_bound_is_below_every_run_of_the_authors() -
     assert [row.passed for row in simpler.values()] == [True, False]
     (energy,) = (row for row in simpler.values() if not row.passed)
     assert "missed by" in energy.criterion and "another problem" in energy.criterion
+
+
+@needs_shared
+@pytest.mark.parametrize("check", CROSS_CHECKS, ids=cross_case)
+def test_cruising_meets_the_cross_checks_without_losses_alone(check: CrossCheck) -> None:
+    """What resistance takes grows with speed alone: without losses no run is better than one speed. So say the rows."""
+    tracks, trains = read_tracks(SHARED / "tracks"), read_trains(SHARED / "trains")
+    row = cross_row(tracks[check.track], trains[CROSS_TRAIN], check, cruising=True)
+    assert row.passed is check.perfect
+    assert ("shows nothing" in row.criterion) is check.perfect
+
+
+@pytest.mark.parametrize("check", CROSS_CHECKS, ids=cross_case)
+def test_where_there_are_losses_the_null_method_has_a_row_of_each_cross_check(check: CrossCheck) -> None:
+    assert (cross_case(check) in reproduce.null.fails) is not check.perfect
 
 
 @needs_shared

@@ -1,5 +1,8 @@
 """`branchline reproduce yasunobu-robust`: what the fuzzy law copes with, and what it owes that to."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from onboard.driving.laws.fuzzy_records import PredictiveFuzzy
@@ -79,6 +82,16 @@ def test_without_t_1_the_row_of_notch_changes_would_be_missed() -> None:
 def test_a_train_that_never_stops_makes_the_spread_infinite() -> None:
     own = robust.settings(fuzzy=PredictiveFuzzy(c_2=False, c_3=False, c_4=False, c_5=False))
     assert robust.scattered_stops(robust.FUZZY, new_hops(ORDERS_S[:1]), own).sigma_m == float("inf")
+
+
+def test_a_pid_that_never_stops_is_no_measure_of_fuzzy() -> None:
+    """Its spread is infinite, and whatever is held against that is nothing."""
+    fuzzy = robust.ScatteredStops(9, 0.0, 0.1, 0.2, 4.0, 0)
+    never = replace(fuzzy, mean_m=np.inf, sigma_m=np.inf, largest_m=np.inf, brake_changes=9.0)
+    sigma, *_ = robust.scatter_rows(fuzzy, never)
+    assert not sigma.passed
+    assert "no PID that stops" in sigma.criterion
+    assert robust.scatter_rows(fuzzy, replace(never, sigma_m=0.31))[0].passed
 
 
 def test_the_draws_are_the_seeds() -> None:
