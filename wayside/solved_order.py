@@ -4,7 +4,7 @@ Asked is what the manager knows and nothing else: the planned times of the moves
 last, and what each holds. Nobody tells it for how long a train that is due will not ask: it is expected after as long
 again, for if it counted as ready this second, and the next, others would wait for it minute by minute. The moves are
 those that are planned to begin in the next two hours: at that time of the plan all trains stand where they have room,
-so that there is an order to find.
+so that there is an order to find, unless trains have already gone out of their turn.
 """
 
 from __future__ import annotations
