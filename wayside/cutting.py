@@ -146,7 +146,9 @@ def _stated_s(register: Register, days: Days, index: int, place: int, trains: Se
 
 def _solved(register: Register, days: Days, stands: Stands, index: int, found: _Weighed) -> _Weighed | None:
     """The same by the order of all trains with least delay, with it and without; None: it does not save enough."""
-    after = register.with_cut(days.unit_ids[index], stands.at[index], found.next_train)
+    unit_id = days.unit_ids[index]
+    register = register.with_trip(unit_id, register.trip(unit_id).asks(register.now_s))
+    after = register.with_cut(unit_id, stands.at[index], found.next_train)
     if after is None or after.days is None:
         return None
     ways = ((register, days), (after, after.days))

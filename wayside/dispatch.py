@@ -73,8 +73,7 @@ def weigh_request(
         astray = replace(trip, astray=True, done=max(trip.done, 0))
         return register.with_trip(asked.unit_id, astray), against, ()
     if against is not None:
-        waits = replace(trip, asked_s=trip.asked_s if trip.asked_s is not None else register.now_s)
-        return register.with_trip(asked.unit_id, waits), against, ()
+        return register.with_trip(asked.unit_id, trip.asks(register.now_s)), against, ()
     if place != stands.at[index]:
         stands = replace(stands, at=(*stands.at[:index], place, *stands.at[index + 1 :]))
     return _Weighing(register, days, stands, index).done()
@@ -133,7 +132,9 @@ def order_now(
         return register, LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given)), ()
     if days.order is not OrderRule.OPTIMAL or not is_disturbed(register, days, stands, index):
         return register, None, ()
-    register, shows = with_order(register, days, stands)
+    unit_id = days.unit_ids[index]
+    asks = register.with_trip(unit_id, register.trip(unit_id).asks(register.now_s))
+    register, shows = with_order(asks, days, stands)
     return register, register.solved, shows
 
 
@@ -367,8 +368,7 @@ class _Weighing:
                 why=why,
             )
             self._shows.append(Show(note))
-        asked_s = self._register.now_s if self._trip.asked_s is None else self._trip.asked_s
-        self._trip = replace(self._trip, asked_s=asked_s, said=why)
+        self._trip = replace(self._trip.asks(self._register.now_s), said=why)
         self._register = self._register.with_trip(self._unit_id, self._trip)
 
     def _granted(self, after: CertificateAnswer | None) -> None:

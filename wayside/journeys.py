@@ -208,6 +208,10 @@ class DayProgress(msgspec.Struct, frozen=True):
     whole: bool = False
     cut_s: float = -inf
 
+    def asks(self, now_s: float) -> DayProgress:
+        """With it asking for its next move: since now, or still."""
+        return self if self.asked_s is not None else msgspec.structs.replace(self, asked_s=now_s)
+
 
 class LastCertificate(msgspec.Struct, frozen=True):
     """The order of the last certificate, and the places and holdings of all stock from which it leads.

@@ -29,10 +29,9 @@ from wayside.places import stands_of
 from wayside.reentry import Step
 from wayside.register import Against, Register
 from wayside.said import NotDone, RouteAskedBack, TrackChanged
-from wayside.solved_order import ORDERS_MAX
+from wayside.solved_order import ORDERS_MAX, STANDS_AGAIN
 
 TAKEN_BACK_AFTER_S: Final = 60.0  # assumed: who has not left by then may be unable to
-STANDS_AGAIN: Final = 1.0  # assumed: who has stood for so long will stand for as long again
 HOLD_S: Final = 30.0  # assumed: time enough for the other to ask again and be let on
 BY_PROOF = True  # off: a track is changed without asking whether all can then finish
 

@@ -1,8 +1,10 @@
 """The order of all trains that delays them least, as a solver finds it (`[dispatch] order = "optimal"`).
 
 Asked is what the manager knows and nothing else: the planned times of the moves, how late each train was when it left
-last, and what each holds. The moves are those that are planned to begin in the next two hours: at that time of the plan
-all trains stand where they have room, so that there is an order to find.
+last, and what each holds. Nobody tells it for how long a train that is due will not ask: it is expected after as long
+again, for if it counted as ready this second, and the next, others would wait for it minute by minute. The moves are
+those that are planned to begin in the next two hours: at that time of the plan all trains stand where they have room,
+so that there is an order to find, unless trains have already gone out of their turn.
 """
 
 from __future__ import annotations
@@ -27,6 +29,8 @@ WORK_MAX: Final = 0.04  # assumed: of the solver's counted work, some 0.3 s of a
 CHOICE_AHEAD_S: Final = 2400.0  # assumed: further ahead tracks are as planned, or as they were changed
 ORDERS_MAX: Final = 6  # assumed: lost orders are given again; trains are not sent to and fro
 ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
+STANDS_AGAIN: Final = 1.0  # assumed: who has stood for so long will stand for as long again
+STANDS_ON = True  # off: who is overdue counts as ready this second, however long it has been
 
 
 def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register, tuple[Show, ...]]:
@@ -70,12 +74,15 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     keeps = _sections(days, stands.holds[index])
     if trip.astray:
         return OrderTrain((), 0, (), 0, ())
-    comes_s = ready_s = 0
+    comes_s, stands_s = 0, trip.back_s
     if at and trip.asked_s is None:
         before = hops[at - 1]
         comes_s = max(0, math.ceil(before.arrives_s + trip.late_s - now_s))
-        ready_s = max(0, math.ceil(before.arrives_s + trip.late_s + before.stays_s - now_s) - comes_s)
-    ready_s = max(ready_s, math.ceil(trip.back_s - now_s) - comes_s) if trip.back_s > now_s else ready_s
+        stands_s = max(stands_s, before.arrives_s + trip.late_s + before.stays_s)
+    if trip.asked_s is None and at < len(hops) and not held & ~stands.holds[index]:
+        overdue_s = now_s - max(stands_s, hops[at].departs_s)
+        stands_s = max(stands_s, now_s + STANDS_AGAIN * overdue_s) if STANDS_ON else stands_s
+    ready_s = math.ceil(stands_s - now_s) - comes_s if stands_s > now_s + comes_s else 0
     ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
     moves = tuple(
         _move(

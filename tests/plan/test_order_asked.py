@@ -21,7 +21,7 @@ from radio.messages import RouteGranted, RouteRefused, RouteRequest
 from study.evaluate import order_of_trains
 from study.evaluate.order_of_trains import lost_min
 from tests.wayside.loop_line import Play, config_of
-from wayside import order
+from wayside import order, solved_order
 from wayside.config import JourneyMove, ManagerConfig, OrderRule
 from wayside.journeys import DayProgress, Stands, days_of
 from wayside.order import is_disturbed
@@ -94,6 +94,9 @@ def test_a_day_on_which_the_order_of_all_is_better(
         return 0.0 if place else ASKS_S - move.departs_s
 
     monkeypatch.setattr(order_of_trains, "doors_s", doors_s)
+    monkeypatch.setattr(
+        solved_order, "STANDS_ON", False
+    )  # all are ready in this second, though one asks first
     assert lost_min(config(rule), 1) == pytest.approx(lost_s / 60.0)
 
 
@@ -101,6 +104,8 @@ def asked(*, solved: bool = True, **dispatch: object) -> Play:
     play = Play(config(OrderRule.OPTIMAL, **dispatch), WAYS, now_s=ASKS_S)
     plan = dataclasses.replace(play.register.plan, solver=answer_to if solved else without_solver)
     play.register = replace(play.register, plan=plan)
+    for unit_id in ("u1", "u2"):
+        play.register = play.register.with_trip(unit_id, DayProgress(asked_s=ASKS_S))
     return play
 
 
@@ -113,7 +118,7 @@ def test_its_reason_is_a_sentence() -> None:
 
 
 def test_nobody_waits_by_it_for_longer_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The fast train is waited for and never asks."""
+    """The fast train has asked, is waited for and never asks again."""
     for bounded in (True, False):
         monkeypatch.setattr(order, "BOUNDED", bounded)
         play = asked(hold_s_max=900.0)
@@ -151,7 +156,42 @@ def test_what_is_asked_is_what_the_manager_knows() -> None:
     line = tuple(sorted(numbers[s] for s in ("0-1", "0.2")))
     assert fast_one.moves == (OrderMove(line, (numbers["0.2"],), 0, 60, 20, int(FAST_DUE_S - ASKS_S), True),)
     assert third == OrderTrain((), 0, (), 0, ())  # it goes where nobody knows
-    assert (slow.comes_s, slow.ready_s, slow.moves[0].due_s) == (0, 0, int(SLOW_DUE_S - ASKS_S))
+    assert (slow.comes_s, slow.moves[0].due_s) == (0, int(SLOW_DUE_S - ASKS_S))
+
+
+def ready_in_s(overdue_s: float, trip: DayProgress) -> int:
+    """After how long the slow train is said to be ready that is so much overdue."""
+    play = asked()
+    register = replace(play.register, now_s=100.0 + overdue_s).with_trip("u0", trip)
+    days = register.days
+    assert days is not None
+    return question_of(register, days, stands_of(register, days)).trains[0].ready_s
+
+
+@pytest.mark.parametrize(("overdue_s", "in_s"), [(-40.0, 0), (0.0, 0), (1.0, 1), (301.0, 301)])
+def test_who_is_due_and_does_not_ask_is_not_expected_this_second(
+    overdue_s: float, in_s: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After as long again: nobody says when doors shut. One that asks is there."""
+    assert ready_in_s(overdue_s, DayProgress()) == in_s
+    assert ready_in_s(overdue_s, DayProgress(asked_s=100.0)) == 0
+    monkeypatch.setattr(solved_order, "STANDS_ON", False)
+    assert ready_in_s(overdue_s, DayProgress()) == 0
+
+
+@pytest.mark.parametrize("stands_on", [True, False])
+def test_nobody_waits_for_a_train_whose_doors_stay_open(
+    stands_on: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two trains a minute long meet on one line; the one planned first is four minutes overdue and has not asked. The
+    other is off the line before it could come, so it goes; counted as ready this second the late one is waited for.
+    """
+    monkeypatch.setattr(solved_order, "STANDS_ON", stands_on)
+    ways = [["0.1", "1.1"], ["1.2", "0.2"]]
+    play = Play(config_of([2, 2], ways, order=OrderRule.OPTIMAL, certificate=True), ways, now_s=340.0)
+    plan = dataclasses.replace(play.register.plan, solver=answer_to)
+    play.register = replace(play.register, plan=plan)
+    assert isinstance(play.asks(1), RouteGranted if stands_on else RouteRefused)
 
 
 def test_each_train_of_a_stock_counts_where_it_ends() -> None:
