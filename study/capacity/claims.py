@@ -189,7 +189,7 @@ class _Chain:
             yield LegRun(leg, leg.departs_s - from_s, follows=leg, enters=enters)
 
     def _comes_in(self, at: int) -> tuple[str, float]:
-        """From which section on, and when, s, the chain runs over a leg: that it waits for on its way; empty: departs."""
+        """From which section on, and when, s, the chain runs over a leg: that it waits for on its way, or departing."""
         leg = self._timed.moves[at].leg
         cross = self._timed.came[at][1] if at in self._timed.came else None
         on_the_way = cross is not None and cross.need.begin_s > leg.departs_s and NEED_ON_THE_WAY_COUNTS
