@@ -256,3 +256,24 @@ test("a train without a plan leaves at a whole second", () => {
 test("an hour late is not on time", () => {
   assert.deepEqual([0, 65.4, 3605, -30, null].map(late), ["+00:00", "+01:05", "+01:00:05", "−00:30", "–"]);
 });
+
+test("a drill with more marks than rows says how many of them are shown", async () => {
+  const { drawStrip, stripHeight } = await from("marks.js");
+  const mark = (i) => ({ kind: "A", label: `A${i}`, text: ["act", "操作"], from: 10 * i, to: null, at: null, units: [], stretches: [], passed: true });
+  const marked = (count) => ({ ...dayOf(example()), marks: Array.from({ length: count }, (_, i) => mark(i)) });
+  const texts = [];
+  const context = new Proxy({ measureText: () => ({ width: 10 }), fillText: (text) => texts.push(text) },
+    { get: (target, name) => target[name] ?? (() => {}), set: () => true });
+  const shown = (count, words) => {
+    texts.length = 0;
+    drawStrip(context, marked(count), null, { x: (t) => t }, { left: 100, top: 0, width: 500, height: 300 }, { words });
+    return texts.filter((text) => /20/.test(text));
+  };
+  const english = wordsIn("en");
+  const japanese = wordsIn("ja", new Map(), { "{count} of {all}": "{all} 件中 {count} 件" });
+  assert.deepEqual(shown(14, english), []);
+  assert.deepEqual(shown(20, english), ["14 of 20"]);
+  assert.deepEqual(shown(20, japanese), ["20 件中 14 件"]);
+  assert.equal(stripHeight(marked(20), {}) - stripHeight(marked(14), {}), 16);
+  assert.equal(stripHeight(marked(0), {}), 0);
+});
