@@ -44,7 +44,11 @@ ASKS_AS_FREED = True  # off: who has a part of its way asks for the rest up to f
 WAY_COUNTS = (
     True  # off: a second train whose event is its departure may be held up on its way as long as it likes
 )
+AT_THAT_TIME = (
+    True  # off: who chose the next lower cruising speed at another time of the day counts as held up
+)
 LATE_S: Final = 0.25  # trains stop to a few centimetres, by seed and step: who is later than that was held up
+OTHER_PACE_S: Final = 1.0  # by which a train may be later that has chosen the next lower cruising speed
 LESS_S: Final = 1.0
 FAR_S: Final = 14_400  # trains so far apart do not meet
 OFF_S: Final = 64  # so far from a headway it is looked for in what trains need
@@ -219,11 +223,26 @@ class _Drive:
             late_s = math.inf
             sooner_s = self._asks_sooner_s(by_s - self._later_s)
             for times in ways_to_ask(self._two.headway, self._spared_s, sooner_s):
-                late_s = min(late_s, self._held_up_s(self._both(by_s, times), by_s - self._later_s))
+                late_s = min(late_s, self._late_by_s(by_s, times))
                 if late_s <= LATE_S:
                     break
             self._late_s[by_s] = late_s
         return self._late_s[by_s]
+
+    def _late_by_s(self, by_s: int, times: TwoTrainTimes) -> float:
+        """The same, by one way to ask. A cruising speed is chosen by the time left, and may be the next one at another
+        time of the day: who is late by no more than that can make is held against itself at that time.
+        """
+        both = self._both(by_s, times)
+        late_s = self._held_up_s(both, self._way, by_s - self._later_s)
+        if not (AT_THAT_TIME and LATE_S < late_s <= OTHER_PACE_S):
+            return late_s
+        two = two_trains(self._drives.setup, self._two.headway, times)
+        try:
+            alone = self._drives.legs(two.day(two.first.later(-FAR_S), two.second.later(by_s)))
+            return self._held_up_s(both, [_as(alone, leg) for leg in self._way], 0.0)
+        except NoSuchDayError:
+            return late_s
 
     def _asks_sooner_s(self, later_s: float) -> float:
         """How much sooner the second must ask for its way to ask for the rest of it as the first has freed that, s."""
@@ -232,21 +251,21 @@ class _Drive:
         asks_s = self._waits_on.occupations[0].begin_s + later_s
         return (asks_s - self._freed_s) % asks_again_s(self._two.setup)
 
-    def _held_up_s(self, both: Sequence[SetLeg], later_s: float) -> float:
-        """By how much its legs among both are later at most than those of its way so much later, s.
+    def _held_up_s(self, both: Sequence[SetLeg], way: Sequence[SetLeg], later_s: float) -> float:
+        """By how much its legs among both are later at most than those of a way so much later, s.
 
         Who is let onto a part of a way departs in time all the same, and is held up where it waits for the rest.
         """
         late_s = -math.inf
-        for leg in self._way:
+        for leg in way:
             try:
                 own = _as(both, leg)
             except NoSuchDayError:
                 return math.inf
             late_s = max(late_s, own.departs_s - leg.departs_s - later_s)
-            if leg is not self._way[-1] or self._two.headway.second.arrival:
+            if leg is not way[-1] or self._two.headway.second.arrival:
                 late_s = max(late_s, own.arrives_s - leg.arrives_s - later_s)
-            if WAY_COUNTS and leg is self._waits_on:
+            if WAY_COUNTS and self._waits_on is not None and _is_same(leg, self._waits_on):
                 late_s = max(late_s, _enters_s(own, self._two) - _enters_s(leg, self._two) - later_s)
         return late_s
 
@@ -268,9 +287,13 @@ class _Drive:
 def _as(legs: Sequence[SetLeg], leg: SetLeg) -> SetLeg:
     """The same leg as it was run."""
     for one in legs:
-        if one.number == leg.number and _ends(one) == _ends(leg):
+        if _is_same(one, leg):
             return one
     raise NoSuchDayError(f"{leg.number} does not come from {_ends(leg)[0]} to {_ends(leg)[1]}")
+
+
+def _is_same(one: SetLeg, other: SetLeg) -> bool:
+    return one.number == other.number and _ends(one) == _ends(other)
 
 
 def _enters_s(leg: SetLeg, two: TwoTrains) -> float:

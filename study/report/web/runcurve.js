@@ -42,7 +42,7 @@ export function roomForNames(context, stations, words, width) {
   const widest = Math.max(0, ...widths);
   const cut = width < 600 || Math.max(0, widths[0], widths[widths.length - 1]) * Math.cos(NAME_ANGLE) > RIGHT - 6;
   const angle = cut ? Math.PI / 2 : NAME_ANGLE;
-  return { angle, top: Math.min(Math.ceil(widest * Math.sin(angle)) + 30, 170) };
+  return { angle, top: Math.min(Math.ceil(widest * Math.sin(angle)) + 30, 220) };
 }
 
 /** Px of a kilometrage: a train runs from left to right, so the axis of an UP train is turned. */
