@@ -117,7 +117,7 @@ def test_what_was_not_found_is_said_in_words() -> None:
 def test_who_chose_another_cruising_speed_at_another_time_was_not_held_up(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Down the busy line in three blocks a section: as late by 0.3 s with a minute more, at which nobody is in its way."""
+    """Down the busy line in three blocks a section: 0.3 s late, also a minute further on, with nobody in its way."""
     setup = load_scenario("busy_line").setup
     covered = next(o for o in options_of(setup) if o.name == "coverage").tables["patch"]["line"]["set"]
     between = [s.id for s in setup.line.sections.values() if s.kind is SectionKind.BETWEEN]
