@@ -83,7 +83,9 @@ def _print(day: ArrangedDay, limit_s: int) -> None:
         calls = day.timetable.trains[number].calls
         way = " - ".join(day.line.stations[calls[at].station_id].name for at in (0, -1))
         rows.append(f"empty working added: {number}, {way} at {clock(calls[0].last_s)[:-3]}")
-    rows.append(f"{_proof(day, limit_s)}, where none is moved by more than {day.arranged.reach_s} s")
+    furthest_s = max((abs(move.by_s) for move in day.moves), default=0)
+    searched = f"of plans that move no time by more than {day.arranged.reach_s} s, the bound of the search"
+    rows.append(f"{_proof(day, limit_s)}, {searched}; this one moves none by more than {furthest_s} s")
     if day.beyond and day.none_within_s:
         rows.append(f"proven: no plan moves every printed time by {day.none_within_s} s or less")
     sys.stdout.write("\n".join(rows) + "\n")

@@ -53,10 +53,11 @@ def _grip_mps2(train: Record) -> float:
     return float(grip_mps2(train, DRY, 0.0))
 
 
-def _grip_n(train: Record) -> float:
-    """What the driven axles of the empty train carry on dry rail at rest, N."""
-    weight_n = float(train["mass_empty_kg"]) * GRAVITY_MPS2
-    return float(motored_grip_n(train, weight_n, adhesion_coefficient(train, DRY, 0.0)))
+def pull_over_grip(train: Record, load_share: float) -> float:
+    """The greatest force at a start by what the driven axles pass on to a dry rail at rest; above 1 they slip."""
+    weight_n = float(mass_kg(train, load_share)) * GRAVITY_MPS2
+    grip_n = float(motored_grip_n(train, weight_n, adhesion_coefficient(train, DRY, 0.0)))
+    return float(full_force_n(train, load_share, 0.0)) / grip_n
 
 
 def _service_mps2(train: Record) -> float:
@@ -143,14 +144,14 @@ RULES: Final[tuple[CombinedRange, ...]] = (
         _start_mps2,
     ),
     CombinedRange(
-        "greatest force over the grip of the driven axles on dry rail, empty",
+        "greatest force at a start over the grip of the driven axles on dry rail, full",
         "traction.force_max_n",
-        ("adhesion.dry", "body.motored_axle_mass_share", "body.mass_empty_kg"),
+        ("adhesion.dry", "body.motored_axle_mass_share", "body"),
         "",
         0.0,
-        3.0,
-        "assumed: what is three times too strong only spins",
-        lambda train: float(train["traction_force_max_n"]) / _grip_n(train),
+        1.0,
+        "what slips at each start as designed has another force, or other axles; empty, a strong one may slip",
+        lambda train: pull_over_grip(train, _FULL),
     ),
     CombinedRange(
         "power over greatest force times greatest speed",

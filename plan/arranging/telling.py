@@ -32,4 +32,4 @@ class FoundSoFar(cp_model.CpSolverSolutionCallback):
     def on_bound(self, bound: float) -> None:
         """A plan needs so much at least."""
         self._bound = max(self._bound, bound)
-        self._tell(f"{self._found}{self._bound / self._unit:.0f} s needed at least{self._counted}")
+        self._tell(f"{self._found}no plan with less than {self._bound / self._unit:.0f} s{self._counted}")

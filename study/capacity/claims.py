@@ -18,6 +18,7 @@ from study.capacity.occupation import COST_OF, TOUCH_S, Occupation, OccupationCo
 from study.capacity.orders import DayOfLegs, OrderedLeg, Orders, TimedOrder
 
 WAY_IN_COUNTS = True  # off: a train that starts from where another one was may have been there all the time
+NEED_ON_THE_WAY_COUNTS = True  # off: what a train takes before it needs a section on its way counts as well
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,8 @@ class LegRun:
     """A stretch of the time of a headway, from a leg's departure on, and how long it lasts, s.
 
     It lasts until the section `frees` is free again, until the set departs as `follows`, or until the leg arrives.
-    `back`: the chain goes it backwards, so that the headway is the shorter, the longer it lasts.
+    `enters`: it begins as the front comes into that section, which the train needs on its way only. `back`: the chain
+    goes it backwards, so that the headway is the shorter, the longer it lasts.
     """
 
     leg: SetLeg
@@ -57,6 +59,7 @@ class LegRun:
     frees: str = ""
     follows: SetLeg | None = None
     back: bool = False
+    enters: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,17 +170,32 @@ class _Chain:
             yield LegRun(leg, leg.arrives_s - leg.departs_s, back=True)
         for before, after in pairwise(self._path):
             leg, cross = moves[before].leg, came[after][1]
+            enters, from_s = self._comes_in(before)
             if cross is not None:
                 frees_s = known.frees_s(cross.hold, leg.departs_s)
-                yield LegRun(leg, frees_s - leg.departs_s, frees=cross.hold.section_id)
+                yield LegRun(leg, frees_s - from_s, frees=cross.hold.section_id, enters=enters)
                 continue
-            one, other = (before, after) if before < after else (after, before)
-            leg, follows = moves[one].leg, moves[other].leg
-            lasts_s = known.gap_s(leg, follows) + follows.departs_s - leg.departs_s
-            yield LegRun(leg, lasts_s, follows=follows, back=before > after)
+            if before > after:
+                leg, follows = moves[after].leg, leg
+                enters, from_s = "", leg.departs_s
+            else:
+                follows = moves[after].leg
+            lasts_s = known.gap_s(leg, follows) + follows.departs_s - from_s
+            yield LegRun(leg, lasts_s, follows=follows, back=before > after, enters=enters)
+        leg, (enters, from_s) = self._second.leg, self._comes_in(self._path[-1])
         if self._second.arrival:
-            leg = self._second.leg
-            yield LegRun(leg, leg.arrives_s - leg.departs_s)
+            yield LegRun(leg, leg.arrives_s - from_s, enters=enters)
+        elif enters:
+            yield LegRun(leg, leg.departs_s - from_s, follows=leg, enters=enters)
+
+    def _comes_in(self, at: int) -> tuple[str, float]:
+        """From which section on, and when, s, the chain runs over a leg: that it waits for on its way, or departing."""
+        leg = self._timed.moves[at].leg
+        cross = self._timed.came[at][1] if at in self._timed.came else None
+        on_the_way = cross is not None and cross.need.begin_s > leg.departs_s and NEED_ON_THE_WAY_COUNTS
+        if cross is None or not on_the_way or not math.isfinite(cross.need.enters_s):
+            return "", leg.departs_s
+        return cross.need.section_id, cross.need.enters_s
 
     def _is_source(self, at: int) -> bool:
         move = self._timed.moves[at]

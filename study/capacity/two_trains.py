@@ -28,6 +28,10 @@ from study.capacity.links import Links
 from study.capacity.occupation import TOUCH_S, OccupationPart
 from study.feasibility.planned import planned_day
 
+EARLY_AIM_IS_NO_LEAD = (
+    True  # off: who aims early at an arrival comes to its portal early, too, and then runs slowly
+)
+FIRST_GOES_ON = True  # off: a first train may stay where the second is to come
 NOON_S: Final = 43_200
 WAITS_S: Final = 1_800  # a first train that had to come from elsewhere is there so long before its leg
 COMES_S: Final = 300  # and a second one
@@ -94,13 +98,15 @@ class TwoTrainTimes:
     `spared_s`: so much later the second can ask, as its points lie right. `asks`: for which of its legs it asks as late
     as it can, None: that which decides. `waits_more_s`: so much longer the first stands wherever it waits.
     `comes_sooner_s`: so much sooner the second comes to where the leg that decides begins, and stands longer there: one
-    that turns asks first when it has changed ends.
+    that turns asks first when it has changed ends. `asks_sooner_s`: so much sooner each unit asks for its ways, so that
+    a second that has a part of one asks for the rest just as that is free.
     """
 
     spared_s: float = 0.0
     asks: int | None = None
     waits_more_s: int = 0
     comes_sooner_s: int = 0
+    asks_sooner_s: float = 0.0
 
 
 def two_trains(setup: Setup, headway: Headway, times: TwoTrainTimes = TwoTrainTimes()) -> TwoTrains:
@@ -115,17 +121,22 @@ def two_trains(setup: Setup, headway: Headway, times: TwoTrainTimes = TwoTrainTi
     way_in, waits_s = claims.behind[::-1], waits_s[::-1]
     before = second.before[begins:]
     behind = _LegsOfSet(setup, way_in, before, second.after, COMES_S, ahead.places, waits_s)
+    if FIRST_GOES_ON and setup.grants_parts and ahead.ends_in in behind.comes_to:
+        after = first.after[ends:]
+        ahead = _LegsOfSet(setup, claims.ahead, first.before, after, WAITS_S, (), longer_s, behind.comes_to)
     alone = ahead.alone(), behind.alone().later(-times.comes_sooner_s)
     return TwoTrains(_asks_late(setup, headway, alone[1], times), headway, *alone)
 
 
-def ways_to_ask(headway: Headway, spared_s: float) -> Iterator[TwoTrainTimes]:
+def ways_to_ask(headway: Headway, spared_s: float, asks_sooner_s: float) -> Iterator[TwoTrainTimes]:
     """How two trains may ask, the likeliest first.
 
     A unit that is refused asks again every few seconds, and asks as early before every leg: a second that needs two
     ways so tightly, or a first that waits for the second, comes later than it must by how it asks alone.
     """
     yield TwoTrainTimes(spared_s)
+    if asks_sooner_s > TOUCH_S:
+        yield TwoTrainTimes(spared_s, asks_sooner_s=asks_sooner_s)
     if any(wait_s > TOUCH_S for wait_s in headway.claims.ahead_waits_s):
         yield from (TwoTrainTimes(spared_s, waits_more_s=more_s) for more_s in range(1, WAITS_MORE_S + 1))
     wants_s = [round(_wants_s(leg), 3) for leg in headway.claims.behind]
@@ -157,18 +168,35 @@ def _asks_late(setup: Setup, headway: Headway, second: SingleLegTrains, times: T
     longest_s = links.ask_s + links.set_s(
         max((p.throw_time_s for p in setup.line.points.values()), default=0.0)
     )
-    again_s = REFUSED_REPEAT_S + 2.0 * links.delay_s
+    again_s = asks_again_s(setup)
     refused = math.ceil(max(longest_s - own_s, 0.0) / again_s - TOUCH_S)
     comes = planned_day(day_of(setup, [second])).trains[second.stock_id][0]
-    portal_lead_s = second.trains[0].calls[0].first_s - comes.stands[0].departs_s
+    first_call = second.trains[0].calls[0]
+    portal_lead_s = first_call.first_s - comes.stands[0].departs_s
+    if first_call.arrival_s is not None and EARLY_AIM_IS_NO_LEAD:  # see _aims_at_s
+        portal_lead_s -= setup.unit.time_margin_s
     portal_lead_s += people.mean_s(Pause.SIGN_ON) + links.ask_s + max(wants_s[-1], people.mean_s(Pause.ENTRY))
     return replace(
         setup,
         unit=setup.unit.model_copy(
-            update={"request_lead_s": own_s + refused * again_s, "time_margin_s": 0.0}
+            update={
+                "request_lead_s": own_s + refused * again_s + times.asks_sooner_s,
+                "time_margin_s": 0.0,
+            }
         ),
         operation=setup.operation.model_copy(update={"portal_lead_s": portal_lead_s}),
     )
+
+
+def asks_again_s(setup: Setup) -> float:
+    """After how long a unit that is refused asks again, s; and who has a part of a way, for the rest."""
+    return REFUSED_REPEAT_S + 2.0 * Links.of(setup.radio_on_average).delay_s
+
+
+def is_had_on_the_way(headway: Headway) -> bool:
+    """Whether the second has left by a part of its way when it needs what decides."""
+    leg = headway.claims.behind[deciding_leg(headway)]
+    return any(o.section_id == headway.section_id and o.begin_s > leg.departs_s for o in leg.occupations)
 
 
 def spared_s(two: TwoTrains, less_s: float) -> float:
@@ -177,17 +205,25 @@ def spared_s(two: TwoTrains, less_s: float) -> float:
     Who comes in by a portal takes its time for that, however its points lie.
     """
     leg = two.headway.claims.behind[deciding_leg(two.headway)]
-    if not _enters(two.setup, leg):
+    if is_had_on_the_way(two.headway) or not _enters(two.setup, leg):
         return less_s
     return min(less_s, max(_wants_s(leg) - two.setup.people.mean_s(Pause.ENTRY), 0.0))
 
 
-def thrown_s(leg: SetLeg) -> float:
-    """How long a leg's points are thrown before it departs, s: those that take longest."""
-    if leg.start is None:
-        return 0.0
-    throws = (s for one in leg.occupations for s in one.slices if s.part is OccupationPart.THROW)
-    return max((s.length_s for s in throws if s.end_s <= leg.departs_s), default=0.0)
+def thrown_s(headway: Headway, leg: SetLeg) -> float:
+    """How long points are thrown for what decides, s: those that take longest, of the second's leg as computed or run.
+
+    Before it departs; on its way, where it then has the part of its way that decides.
+    """
+    computed = headway.claims.behind[deciding_leg(headway)]
+    if not is_had_on_the_way(headway):
+        before = (s for one in leg.occupations for s in one.slices if s.end_s <= leg.departs_s)
+        throws = (s for s in before if s.part is OccupationPart.THROW)
+        return 0.0 if leg.start is None else max((s.length_s for s in throws), default=0.0)
+    begins_s = next(o.begin_s for o in computed.occupations if o.section_id == headway.section_id)
+    had = {o.section_id for o in computed.occupations if abs(o.begin_s - begins_s) <= TOUCH_S}
+    own = (s for o in leg.occupations if o.section_id in had for s in o.slices)
+    return max((s.length_s for s in own if s.part is OccupationPart.THROW), default=0.0)
 
 
 def _enters(setup: Setup, leg: SetLeg) -> bool:
@@ -222,8 +258,8 @@ def day_of(setup: Setup, alone: Sequence[SingleLegTrains]) -> Setup:
 class _LegsOfSet:
     """Legs of a set, and those before (the nearest first) and after them, by which they are made whole trains.
 
-    It is `waits_s` at the first of the legs, if it had to come there; it begins in none of the `taken` places. Before
-    each leg it stands for so much longer than it must (`stands_s`).
+    It is `waits_s` at the first of the legs, if it had to come there; it begins in none of the `taken` places, and ends
+    in none of those that are to be `left`. Before each leg it stands for so much longer than it must (`stands_s`).
     """
 
     def __init__(
@@ -235,11 +271,12 @@ class _LegsOfSet:
         waits_s: int,
         taken: Collection[str] = (),
         stands_s: Sequence[float] = (),
+        left: Collection[str] = (),
     ) -> None:
         self._setup = setup
         self._stands_s = {id(leg): s for leg, s in zip(legs, stands_s, strict=bool(stands_s))}
         self._waits_s = waits_s
-        self._taken = taken
+        self._taken, self._left = taken, left
         self._counts = {id(leg) for leg in legs}
         self._legs = list(legs)
         back, on = list(before), list(after)
@@ -261,6 +298,17 @@ class _LegsOfSet:
         kinds = self._setup.line.sections
         return frozenset(o.section_id for o in found if kinds[o.section_id].kind is not SectionKind.PORTAL)
 
+    @property
+    def comes_to(self) -> frozenset[str]:
+        """Where its legs end."""
+        return frozenset(leg.end.section_id for leg in self._legs if leg.end is not None)
+
+    @property
+    def ends_in(self) -> str:
+        """Where its last leg ends."""
+        end = self._legs[-1].end
+        return "" if end is None else end.section_id
+
     def alone(self) -> SingleLegTrains:
         """As trains of their own."""
         moves_s = self._moves_s()
@@ -279,7 +327,9 @@ class _LegsOfSet:
 
     def _ends(self) -> bool:
         leg = self._legs[-1]
-        return leg.end is not None and (self._leaves(leg) or self._stops(leg, leg.end.section_id))
+        if leg.end is None or (leg.end.section_id in self._left and not self._leaves(leg)):
+            return False
+        return self._leaves(leg) or self._stops(leg, leg.end.section_id)
 
     def _leaves(self, leg: SetLeg) -> bool:
         ends = self._setup.timetable.trains[leg.number].ends

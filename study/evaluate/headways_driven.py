@@ -26,7 +26,9 @@ from study.capacity.two_trains import (
     NoSuchDayError,
     TwoTrains,
     TwoTrainTimes,
+    asks_again_s,
     deciding_leg,
+    is_had_on_the_way,
     spared_s,
     thrown_s,
     two_trains,
@@ -38,7 +40,15 @@ from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
 
 DRIVING_COUNTS = True  # off: both trains are held against the way that was predicted for them
+ASKS_AS_FREED = True  # off: who has a part of its way asks for the rest up to five seconds after it is free
+WAY_COUNTS = (
+    True  # off: a second train whose event is its departure may be held up on its way as long as it likes
+)
+AT_THAT_TIME = (
+    True  # off: who chose the next lower cruising speed at another time of the day counts as held up
+)
 LATE_S: Final = 0.25  # trains stop to a few centimetres, by seed and step: who is later than that was held up
+OTHER_PACE_S: Final = 1.0  # by which a train may be later that has chosen the next lower cruising speed
 LESS_S: Final = 1.0
 FAR_S: Final = 14_400  # trains so far apart do not meet
 OFF_S: Final = 64  # so far from a headway it is looked for in what trains need
@@ -87,7 +97,14 @@ class DrivenHeadway:
         right = f", up to {self.spared_s:.1f} s less as points lie right" if self.spared_s else ""
         found = f"least {self.case.headway.least_s:.1f} s, as driven {self.driving_s:+.1f} s{right}"
         late = f"{self.kept_s:.1f} s late at it, {self.nearer_s:.1f} s with a second less"
-        return f"{found}; a run needs {self.needs_s:.1f} s; {late}"
+        return f"{found}; a run needs {self._needs_text}; {late}"
+
+    @property
+    def _needs_text(self) -> str:
+        if math.isfinite(self.needs_s):
+            return f"{self.needs_s:.1f} s"
+        more = "more" if self.needs_s > 0.0 else "less"
+        return f"over {OFF_S} s {more}, and was not looked for further"
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV: times to 0.1 s."""
@@ -156,6 +173,10 @@ class _Drive:
         one, other = _as(legs, headway.first.leg), _as(legs, headway.second.leg)
         self._apart_s = _at_s(headway.second, other) - _at_s(headway.first, one) - by_s
         self._later_s = by_s
+        on_the_way = is_had_on_the_way(headway)
+        self._waits_on = self._way[-1 - deciding_leg(headway)] if on_the_way else None
+        frees = [run for run in headway.claims.runs if run.frees == headway.section_id]
+        self._freed_s = max((_until_s(run, legs) for run in frees), default=math.inf)
         longer_s = (_longer_s(run, legs) for run in headway.claims.runs)
         self._driving_s = math.fsum(s for s in longer_s if math.isfinite(s)) if DRIVING_COUNTS else 0.0
 
@@ -186,7 +207,8 @@ class _Drive:
     def _spared(self) -> float:
         """How long the second need not wait for the points by which it leaves: behind the first they lie right."""
         leg = self._two.headway.claims.behind[deciding_leg(self._two.headway)]
-        less_s = thrown_s(leg) - thrown_s(_as(self._both(self._times(0.0)[0]), leg))
+        headway = self._two.headway
+        less_s = thrown_s(headway, leg) - thrown_s(headway, _as(self._both(self._times(0.0)[0]), leg))
         return spared_s(self._two, less_s) if less_s > STEP_S else 0.0
 
     def _both(self, by_s: int, times: TwoTrainTimes = TwoTrainTimes()) -> tuple[SetLeg, ...]:  # noqa: B008 - it is frozen
@@ -199,24 +221,52 @@ class _Drive:
         """
         if by_s not in self._late_s:
             late_s = math.inf
-            for times in ways_to_ask(self._two.headway, self._spared_s):
-                late_s = min(late_s, self._held_up_s(self._both(by_s, times), by_s - self._later_s))
+            sooner_s = self._asks_sooner_s(by_s - self._later_s)
+            for times in ways_to_ask(self._two.headway, self._spared_s, sooner_s):
+                late_s = min(late_s, self._late_by_s(by_s, times))
                 if late_s <= LATE_S:
                     break
             self._late_s[by_s] = late_s
         return self._late_s[by_s]
 
-    def _held_up_s(self, both: Sequence[SetLeg], later_s: float) -> float:
-        """By how much its legs among both are later at most than those of its way so much later, s."""
+    def _late_by_s(self, by_s: int, times: TwoTrainTimes) -> float:
+        """The same, by one way to ask. A cruising speed is chosen by the time left, and may be the next one at another
+        time of the day: who is late by no more than that can make is held against itself at that time.
+        """
+        both = self._both(by_s, times)
+        late_s = self._held_up_s(both, self._way, by_s - self._later_s)
+        if not (AT_THAT_TIME and LATE_S < late_s <= OTHER_PACE_S):
+            return late_s
+        two = two_trains(self._drives.setup, self._two.headway, times)
+        try:
+            alone = self._drives.legs(two.day(two.first.later(-FAR_S), two.second.later(by_s)))
+            return self._held_up_s(both, [_as(alone, leg) for leg in self._way], 0.0)
+        except NoSuchDayError:
+            return late_s
+
+    def _asks_sooner_s(self, later_s: float) -> float:
+        """How much sooner the second must ask for its way to ask for the rest of it as the first has freed that, s."""
+        if self._waits_on is None or not ASKS_AS_FREED:
+            return 0.0
+        asks_s = self._waits_on.occupations[0].begin_s + later_s
+        return (asks_s - self._freed_s) % asks_again_s(self._two.setup)
+
+    def _held_up_s(self, both: Sequence[SetLeg], way: Sequence[SetLeg], later_s: float) -> float:
+        """By how much its legs among both are later at most than those of a way so much later, s.
+
+        Who is let onto a part of a way departs in time all the same, and is held up where it waits for the rest.
+        """
         late_s = -math.inf
-        for leg in self._way:
+        for leg in way:
             try:
                 own = _as(both, leg)
             except NoSuchDayError:
                 return math.inf
             late_s = max(late_s, own.departs_s - leg.departs_s - later_s)
-            if leg is not self._way[-1] or self._two.headway.second.arrival:
+            if leg is not way[-1] or self._two.headway.second.arrival:
                 late_s = max(late_s, own.arrives_s - leg.arrives_s - later_s)
+            if WAY_COUNTS and self._waits_on is not None and _is_same(leg, self._waits_on):
+                late_s = max(late_s, _enters_s(own, self._two) - _enters_s(leg, self._two) - later_s)
         return late_s
 
     def _needs(self, near: int) -> float:
@@ -237,19 +287,34 @@ class _Drive:
 def _as(legs: Sequence[SetLeg], leg: SetLeg) -> SetLeg:
     """The same leg as it was run."""
     for one in legs:
-        if one.number == leg.number and _ends(one) == _ends(leg):
+        if _is_same(one, leg):
             return one
     raise NoSuchDayError(f"{leg.number} does not come from {_ends(leg)[0]} to {_ends(leg)[1]}")
+
+
+def _is_same(one: SetLeg, other: SetLeg) -> bool:
+    return one.number == other.number and _ends(one) == _ends(other)
+
+
+def _enters_s(leg: SetLeg, two: TwoTrains) -> float:
+    """When the front comes into the section that decides, s."""
+    return next(o.enters_s for o in leg.occupations if o.section_id == two.headway.section_id)
 
 
 def _longer_s(run: LegRun, legs: Sequence[SetLeg]) -> float:
     """By how much longer than predicted a stretch takes as it was run, s; infinite where it has no end."""
     leg = _as(legs, run.leg)
-    until_s = leg.arrives_s if run.follows is None else _as(legs, run.follows).departs_s
-    if run.frees:
-        until_s = next((o.end_s for o in leg.held if o.section_id == run.frees), math.inf)
-    longer_s = until_s - leg.departs_s - run.lasts_s
+    from_s = next((o.enters_s for o in leg.occupations if o.section_id == run.enters), leg.departs_s)
+    longer_s = _until_s(run, legs) - from_s - run.lasts_s
     return -longer_s if run.back else longer_s
+
+
+def _until_s(run: LegRun, legs: Sequence[SetLeg]) -> float:
+    """When a stretch as it was run is over, s; infinite where it has no end."""
+    leg = _as(legs, run.leg)
+    if run.frees:
+        return next((o.end_s for o in leg.held if o.section_id == run.frees), math.inf)
+    return leg.arrives_s if run.follows is None else _as(legs, run.follows).departs_s
 
 
 def _ends(leg: SetLeg) -> tuple[str, str]:

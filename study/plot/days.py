@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Final
 
 import polars as pl
@@ -13,6 +14,7 @@ from matplotlib.patches import Patch
 from study.measures.duties import SetDuty, duties_of
 from study.measures.wait_text import text_of
 from study.plot.choice import ChosenRun
+from study.plot.words import plot_word
 from study.record.as_run import trains_as_run
 from study.record.figure import rows_in
 from study.record.wait import NO_WAIT, Cause, Wait
@@ -147,5 +149,5 @@ def duties_table(run: ChosenRun) -> pl.DataFrame:
 
 
 def draw_duties(run: ChosenRun) -> Figure | None:
-    """The duty graph of the day as it was, with stations in the language chosen."""
-    return draw_duty_graph(run.named_line, _duties(run))
+    """The duty graph of the day as it was, in the language chosen."""
+    return draw_duty_graph(run.named_line, _duties(run), partial(plot_word, language=run.choice.language))

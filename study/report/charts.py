@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 _BARS_IN_A_ROW: Final = 64
 _CELL_PT: Final = 6.5
 _PANEL_SHARE: Final = 0.44  # of the width, for the columns of one direction
+_NAME_PT: Final = 6.5
 _DIGIT_EM: Final = 0.66  # width of a character, share of its size, at most
 
 # Fixed, so that the delays of two runs compare by eye.
@@ -181,6 +182,11 @@ def draw_delays(run: ReportedRun, end_s: float | None = None) -> Figure | None:
     return figure
 
 
+def _name_pt(name: str) -> float:
+    """How wide a name stands over its column, pt, at most; Japanese characters are as wide as high."""
+    return _NAME_PT * sum(1.0 if ord(c) > 0x2E7F else _DIGIT_EM for c in name)
+
+
 def _draw_heat_map(
     axes: Axes,
     run: ReportedRun,
@@ -216,9 +222,9 @@ def _draw_heat_map(
             axes.text(column, row, cell.text(), ha="center", va="center", fontsize=size_pt, color=colour)
     axes.set_ylim(len(trains) - 0.5, -0.5)
     axes.set_yticks(range(len(trains)), trains, fontsize=6.5)
-    axes.set_xticks(range(len(stations)), [station.name for station in stations], fontsize=6.5)
+    axes.set_xticks(range(len(stations)), [station.name for station in stations], fontsize=_NAME_PT)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
-    if len(stations) > 6:
+    if max(_name_pt(station.name) for station in stations) > 0.95 * column_pt:
         axes.tick_params(axis="x", labelrotation=25)
         for label in axes.get_xticklabels():
             label.set_horizontalalignment("left")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -66,12 +66,12 @@ class _Row:
         )
 
 
-def draw_duties(line: Line, duties: Sequence[SetDuty]) -> Figure | None:
+def draw_duties(line: Line, duties: Sequence[SetDuty], say: Callable[[str], str] = str) -> Figure | None:
     """The graph in panels of some hours; None where no set runs a train.
 
     A bar is a train in the colour of its direction, white inside where it runs empty; between bars stand the place
     where the set is and for how many minutes. A thin line: it stands; dots: it is beyond a portal. As run, a bar has
-    the plan as a line along its top.
+    the plan as a line along its top. `say` puts its key and what stands beside a row into a language.
     """
     times = [time_s for duty in duties for train in duty.trains for time_s in _times(train)]
     if not times:
@@ -81,16 +81,14 @@ def draw_duties(line: Line, duties: Sequence[SetDuty]) -> Figure | None:
     figure = Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
     panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
     for axes, band in zip(panels, bands, strict=True):
-        _frame(axes, duties, band, grid)
+        _frame(axes, [say(_sum(duty)) for duty in duties], band, grid)
         for i, duty in enumerate(duties):
             for train in duty.trains:
                 _draw_train(axes, i, train)
             for gap in duty.gaps:
                 _draw_gap(axes, i, gap, band)
-    panels[0].set_title(
-        _KEY if all(t.late_s is None and not t.cut_short for d in duties for t in d.trains) else _KEY_AS_RUN,
-        pad=18,
-    )
+    planned = all(t.late_s is None and not t.cut_short for d in duties for t in d.trains)
+    panels[0].set_title(say(_KEY if planned else _KEY_AS_RUN), pad=18)
     laid_out(figure)  # texts are placed on the screen
     for axes, band in zip(panels, bands, strict=True):
         for i, duty in enumerate(duties):
@@ -102,12 +100,12 @@ def _times(train: DutyTrain) -> tuple[int, ...]:
     return train.begins_s, train.ends_s, train.planned_begins_s, train.planned_ends_s
 
 
-def _frame(axes: Axes, duties: Sequence[SetDuty], band: TimeBand, grid: TimeGrid) -> None:
+def _frame(axes: Axes, rows: Sequence[str], band: TimeBand, grid: TimeGrid) -> None:
     draw_clock_axis(axes, band, grid)
-    axes.set_ylim(len(duties) - 0.4, -0.6)
-    axes.set_yticks(range(len(duties)), [_sum(duty) for duty in duties])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set_yticks(range(len(rows)), rows)
     axes.tick_params(axis="y", length=0, labelsize=7.0)
-    for i in range(1, len(duties)):
+    for i in range(1, len(rows)):
         axes.axhline(i - 0.5, color=RULE, lw=0.5, zorder=0.6)
     axes.spines[:].set_color(RULE)
 

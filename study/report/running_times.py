@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
@@ -45,27 +46,34 @@ def draw_running_times(
 def _draw_panel(axes: Axes, line: Line, legs: Sequence[StandardTime], runs: Sequence[PlannedRun]) -> None:
     direction = legs[0].direction
     at = range(len(legs))
-    axes.bar(at, [leg.stop_stop_s for leg in legs], 0.62, color=_NEED, label="needed, from stand to stand")
+    needs_s = [leg.stop_stop_s if math.isfinite(leg.stop_stop_s) else 0.0 for leg in legs]
+    axes.bar(at, needs_s, 0.62, color=_NEED, label="needed, from stand to stand")
+    passing = False
     for i, leg in enumerate(legs):
-        text = f"{leg.stop_stop_s:.0f}"
+        text = f"{leg.stop_stop_s:.0f}" if math.isfinite(leg.stop_stop_s) else "cannot be run"
         axes.annotate(
             text, (i, 0.0), xytext=(0, 2), textcoords="offset points", ha="center", fontsize=6.5, color=INK
         )
-        if leg.pass_pass_s is not None:
+        if leg.pass_pass_s is not None and math.isfinite(leg.pass_pass_s):
             axes.plot(
                 [i - 0.31, i + 0.31],
                 [leg.pass_pass_s] * 2,
                 color=PALE,
                 lw=1.0,
-                label=_once(i, "needed, passing both"),
+                label=None if passing else "needed, passing both",
             )
+            passing = True
     where = {(leg.from_id, leg.to_id): i for i, leg in enumerate(legs)}
     placed = [(where[run.from_id, run.to_id], run) for run in runs if (run.from_id, run.to_id) in where]
     for short, colour, label in (
         (False, DIRECTION_COLOUR[direction], "planned"),
         (True, RED, "planned, too short"),
     ):
-        some = [(i, run.planned_s) for i, run in placed if (run.margin_s < 0.0) is short]
+        some = [
+            (i, run.planned_s)
+            for i, run in placed
+            if (run.margin_s < 0.0) is short and math.isfinite(run.planned_s)
+        ]
         if some:
             axes.plot(*zip(*some, strict=True), "o", ms=3, color=colour, zorder=3, label=label)
     names = [f"{line.stations[leg.from_id].name}\n{line.stations[leg.to_id].name}" for leg in legs]
@@ -76,11 +84,6 @@ def _draw_panel(axes: Axes, line: Line, legs: Sequence[StandardTime], runs: Sequ
     axes.set_ylabel("running time, s")
     axes.grid(axis="y")
     axes.legend(loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
-
-
-def _once(index: int, label: str) -> str:
-    """A label for the first of many alike."""
-    return label if index == 1 else "_"
 
 
 def write_running_times(

@@ -66,7 +66,7 @@ def test_past_a_substitute_aspect_a_train_is_slow_over_the_points() -> None:
     rows = run.tables.trajectory.filter(pl.col("unit") == "ET325")
     clear_m = run.scenario.setup.line.pieces["AIB-KOL"].from_m + run.scenario.setup.lengths_m["ET325"]
     over_points = rows.filter(pl.col("kilometrage_m") < clear_m)["speed_mps"].to_numpy() * 3.6
-    assert 38.0 < over_points.max() < 40.5  # 45 km/h by the points alone
+    assert 38.0 < over_points.max() < 41.0  # power takes 0.9 s to end; 45 km/h by the points alone
     assert rows["speed_mps"].to_numpy().max() * 3.6 > 80.0
 
 

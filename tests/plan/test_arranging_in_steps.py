@@ -115,7 +115,7 @@ def test_the_least_is_told_with_its_bound() -> None:
     told: list[str] = []
     plan = ArrangeModel(_meet(), 300, 300).solve(0.1, tell=told.append)
     assert plan.proven
-    assert told[-1] == "moves of 30 s in all found, 30 s needed at least"
+    assert told[-1] == "moves of 30 s in all found, no plan with less than 30 s"
 
 
 def test_how_far_a_plan_is_from_the_least_at_most() -> None:

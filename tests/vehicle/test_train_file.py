@@ -11,7 +11,7 @@ from vehicle.train_file import TrainType, load_train, new_plant, shipped_train
 
 Rows = NDArray[np.void]
 
-SHIPPED = ("br642", "ev_e301", "ev_e301_losses", "hitachi_train", "oda_scale_car", "oda_train")
+SHIPPED = tuple(sorted(file.stem for file in shipped_train("ev_e301").parent.glob("*.toml")))
 
 
 @pytest.fixture
@@ -41,6 +41,39 @@ def test_shipped_trains_name_their_motors_with_their_source(name: str) -> None:
     raw = tomllib.loads(shipped_train(name).read_text(encoding="utf-8"))
     assert raw["traction"]["motors"] >= 1
     assert raw["provenance"]["traction.motors"].startswith(("published", "assumed"))
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_trains_start_on_dry_rail_without_a_slip(name: str) -> None:
+    """The pull at a start by what the driven axles of the full train carry, by hand, in N."""
+    train = load_train(shipped_train(name)).row[0]
+    mass_kg = float(train["mass_empty_kg"] + train["mass_load_full_kg"])
+    pull_n = float(train["traction_force_max_n"])
+    if train["traction_load_compensated"]:
+        pull_n *= mass_kg / float(train["mass_empty_kg"])
+    grip_n = mass_kg * 9.81 * float(train["motored_axle_mass_share"]) * float(train["adhesion_dry"])
+    assert pull_n <= grip_n
+
+
+@pytest.mark.parametrize("force_kn", [200.0, 150.0])
+def test_a_train_that_slips_at_each_start_on_dry_rail_is_refused(tmp_path: Path, force_kn: float) -> None:
+    """Of 100 t half on driven axles, 0.30: 147.15 kN, in whatever load, as the force grows with it."""
+    text = shipped_train("flirt3_3").read_text(encoding="utf-8")
+    file = tmp_path / "train.toml"
+    file.write_text(text.replace("force_max_kn = 132.6", f"force_max_kn = {force_kn}", 1), encoding="utf-8")
+    with pytest.raises(InputError) as raised:
+        load_train(file)
+    assert (raised.value.key, raised.value.value) == ("traction.force_max_kn", force_kn)
+    assert "on dry rail, full at most 1" in str(raised.value)
+
+
+@pytest.mark.parametrize(("name", "start_mps2"), [("flirt3_3", 1.2), ("flirt3_6", 1.0)])
+def test_a_flirt_starts_as_published_of_its_family(name: str, start_mps2: float) -> None:
+    """0.8 to 1.3 m/s2; less what it needs to move at all, 3.06 N/kN."""
+    train = load_train(shipped_train(name)).row[0]
+    mass_kg = float(train["mass_empty_kg"])
+    start_n = float(train["traction_force_max_n"]) - 3.06e-3 * mass_kg * 9.81
+    assert start_n / (mass_kg * 1.08) == pytest.approx(start_mps2, abs=0.01)
 
 
 def test_units_at_the_edge_become_si(ev_e301: Rows) -> None:

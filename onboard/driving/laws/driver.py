@@ -31,6 +31,7 @@ CREEP_MPS = 3.0  # assumed: held by who starts so near to the mark, until TASC b
 LEAST_GAIN_MPS2 = 0.15  # assumed: on a gradient a driver takes the notch that still gains this
 LEAST_BRAKE_SHARE = 0.4  # assumed: nobody brakes more softly, of the stop pattern's deceleration
 LEAST_LOOK_S = 0.3
+SLIP_OVER_S = 5.0  # assumed: wheels that rolled for so long after a slip get a notch more again
 OFF_TIME_S = 5.0  # assumed: who reckons to be later hurries, and who is that early brakes to the speed wanted
 
 SPREAD = "calibrated together: papers.driver_scatter"
@@ -87,6 +88,8 @@ class DriverRow(Protocol):
     ran: Annotated[int, "1: the train has come up to its speed since it left"]
     hurries: Annotated[int, "1: late, so he runs by the limit and coasts no more"]
     late_s: Annotated[float, "as he reckons it: he would stand at the mark so much after his time"]
+    eased: Annotated[float, "so many notches less than his habit, as wheels slipped"]
+    slipped_s: Annotated[float, "when they last did, or he last took a notch more"]
 
 
 DRAWN = ("power_drawn", "swing_drawn", "coast_drawn", "look_drawn", "under_drawn", "brake_drawn")
@@ -210,4 +213,16 @@ def notch_of(
     share = min(max(own.settings.power_share + own.settings.power_share_sigma * own.power_drawn, 0.0), 1.0)
     habit = max(np.floor(share * train.power_notches + 0.5), 1.0)
     climbs_n = (cue.own_mps2 + LEAST_GAIN_MPS2) * equivalent_mass_kg(train, cue.load_share)
-    return float(max(habit, power_notch(train, cue.load_share, unit.speed_mps, climbs_n)))
+    notch = max(habit, power_notch(train, cue.load_share, unit.speed_mps, climbs_n))
+    eases_where_wheels_slip(own, cue, unit)
+    own.eased = min(own.eased, notch - 1.0)
+    return float(notch - own.eased)
+
+
+@compiled
+def eases_where_wheels_slip(own: DriverRow, cue: CueRow, unit: UnitRow) -> None:
+    """A notch less at each look at which wheels slip; one more again once they have rolled for a while."""
+    if unit.wheel_slide > 0:
+        own.eased, own.slipped_s = own.eased + 1.0, cue.now_s
+    elif own.eased > 0.0 and cue.now_s > own.slipped_s + SLIP_OVER_S:
+        own.eased, own.slipped_s = own.eased - 1.0, cue.now_s

@@ -35,6 +35,9 @@ from vehicle.traction import full_force_n, notch_share
 TUNED = "papers.pid_tuning: least ITAE in the nominal case of Yasunobu and others"
 
 
+TUNED_ANSWER_S = 0.8  # dead time and lag of brake and power of the train that they are tuned on
+
+
 class Pid(Record):
     """`[law.pid]`: gains of the feedback, and how its demand becomes notches."""
 
@@ -95,8 +98,10 @@ def pid(
     stops = stop_mps < even_mps
     cue.ceiling_mps = min(stop_mps, unit.cruise_mps)
     feed_back(own, unit, min(stop_mps, even_mps) - unit.train_mps, int(stops), behaviour.step_s)
-    demand_mps2 = own.settings.gain_per_s * own.error_mps + own.settings.derivative_gain * own.change_mps2
-    demand_mps2 += own.settings.integral_gain_per_s2 * own.integral_m
+    quick = TUNED_ANSWER_S / answer_s(train, int(stops))
+    demand_mps2 = quick * own.settings.gain_per_s * own.error_mps
+    demand_mps2 += own.settings.derivative_gain * own.change_mps2
+    demand_mps2 += quick * quick * own.settings.integral_gain_per_s2 * own.integral_m
     if stops:
         demand_mps2 -= behaviour.settings.stop_deceleration_mps2
     inertia_kg = equivalent_mass_kg(train, cue.load_share)
@@ -110,6 +115,14 @@ def pid(
         demand_mps2 = 0.0
     own.wanted_mps2 = min(max(demand_mps2, least_mps2), most_mps2)
     return notch_for(own, unit, train, most_mps2)
+
+
+@compiled
+def answer_s(train: TrainRow, stops: int) -> float:
+    """Until what is asked for is there, s: dead time and lag of the brake at a stop, else of what answers later."""
+    brake_s = train.brake_dead_time_s + train.brake_lag_s
+    power_s = train.traction_dead_time_s + train.traction_lag_s
+    return float(brake_s if stops == 1 else max(brake_s, power_s))
 
 
 @compiled

@@ -79,12 +79,14 @@ export function drawBars(context, width, height, { labels, series, unit, tops = 
   const { upright, bottom } = roomForLabels(context, labels, width);
   const legend = legendPlaces(context, series, 52, width - 60);
   const plot = frame(context, width, height, { left: 52, right: 8, top: 20 + (legend[legend.length - 1]?.[1] ?? 0), bottom });
+  const known = (value) => (Number.isFinite(value) ? value : 0);
   const sums = labels.map((_, i) => series.reduce(([up, down], { values }) => {
-    const value = values[i] ?? 0;
+    const value = known(values[i]);
     return value >= 0 ? [up + value, down] : [up, down + value];
   }, [0, 0]));
-  const high = Math.max(1e-6, ...sums.map(([up]) => up)) * (tops.length ? 1.18 : 1.06);
-  const low = Math.min(0, ...sums.map(([, down]) => down)) * 1.1;
+  const [most, least] = [Math.max(0, ...sums.map(([up]) => up)), Math.min(0, ...sums.map(([, down]) => down))];
+  const high = (most > 0 || least < 0 ? most : 1) * (tops.length ? 1.18 : 1.06);
+  const low = least * 1.1;
   const y = scaleY(context, plot, low, high, unit);
   const each = plot.width / Math.max(labels.length, 1);
   const wide = Math.min(each * 0.74, 46);
@@ -93,7 +95,7 @@ export function drawBars(context, width, height, { labels, series, unit, tops = 
     const x = plot.left + (i + 0.5) * each;
     let [up, down] = [0, 0];
     for (const { values, colour } of series) {
-      const value = values[i] ?? 0;
+      const value = known(values[i]);
       const from = value >= 0 ? up : down;
       context.fillStyle = colour;
       context.fillRect(x - wide / 2, y(Math.max(from, from + value)), wide, Math.abs(y(from + value) - y(from)));
@@ -129,7 +131,7 @@ function drawTop(context, text, x, y, room) {
   context.fillStyle = COLOURS.pale;
   context.save();
   context.translate(x, y);
-  if (room < 30) {
+  if (context.measureText(text).width > room - 2) {
     context.rotate(-Math.PI / 2);
     context.textAlign = "left";
     context.textBaseline = "middle";
@@ -145,7 +147,7 @@ function drawTop(context, text, x, y, room) {
 export function drawDots(context, width, height, { groups, unit }) {
   const { upright, bottom } = roomForLabels(context, groups.map((group) => group.label), width);
   const plot = frame(context, width, height, { left: 56, right: 8, top: 12, bottom });
-  const all = groups.flatMap((group) => group.values);
+  const all = groups.flatMap((group) => group.values).filter(Number.isFinite);
   const reach = Math.max(0.05, ...all.map(Math.abs)) * 1.1;
   const y = scaleY(context, plot, -reach, reach, unit);
   const each = plot.width / Math.max(groups.length, 1);

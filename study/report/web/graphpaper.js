@@ -7,6 +7,8 @@ import { element } from "./tables.js";
 import { boundsOf, drawTrainGraph, gutterOf, nearestTrain, plotOf, scaleOf } from "./traingraph.js";
 import { clock } from "./view.js";
 
+const PICKED_MAX = 40; // events told of one place
+
 // What may be shown or left out.
 const LAYERS = {
   plan: "Plan", run: "Run", sections: "Sections", stairway: "Blocking times", lesser: "All events",
@@ -197,7 +199,8 @@ function pick(paper, context, popup, x, y) {
   popup.replaceChildren(
     element(doc, "button", { type: "button", class: "quiet", onclick: () => { popup.hidden = true; } }, words.say("Close")),
     element(doc, "strong", {}, words.say("Events here")),
-    ...events.slice(0, 40).map((event) => element(doc, "p", {}, `${clock(event.t, true)} ${words.said(event.source)} · ${words.said(event.called)} · ${words.said(event.text)}`)),
+    ...(events.length > PICKED_MAX ? [element(doc, "p", {}, words.say("{count} of {all}", { count: PICKED_MAX, all: events.length }))] : []),
+    ...events.slice(0, PICKED_MAX).map((event) => element(doc, "p", {}, `${clock(event.t, true)} ${words.said(event.source)} · ${words.said(event.called)} · ${words.said(event.text)}`)),
   );
   popup.style.left = `${Math.max(Math.min(x + 10, paper.layer.width - 340), 4)}px`;
   popup.style.top = `${Math.max(Math.min(y + 10, paper.layer.height - 140), 4)}px`;

@@ -22,9 +22,13 @@ export function shownEvents(day, options) {
 
 /** Rows under the graph. */
 const rowsOf = (day, options) => (options.strip === false ? [] : day.marks.slice(0, ROWS_MAX));
+const isCut = (day, options) => options.strip !== false && day.marks.length > ROWS_MAX;
 
 /** Height of the rows of a drill under the graph, px. */
-export const stripHeight = (day, options) => rowsOf(day, options).length * ROW_PX + (rowsOf(day, options).length ? 6 : 0);
+export function stripHeight(day, options) {
+  const rows = rowsOf(day, options).length + (isCut(day, options) ? 1 : 0);
+  return rows * ROW_PX + (rows ? 6 : 0);
+}
 
 /** Place of an event's mark, px; what has no place on the line stands at the top. */
 function placeOf(event, scale, plot) {
@@ -196,6 +200,13 @@ export function drawStrip(context, day, view, scale, plot, options) {
     context.lineTo(plot.left + plot.width, y + ROW_PX / 2);
     context.stroke();
   });
+  if (!isCut(day, options)) return;
+  context.fillStyle = COLOURS.ink;
+  context.font = font(11);
+  context.textAlign = "left";
+  context.textBaseline = "middle";
+  const cut = options.words.say("{count} of {all}", { count: rows.length, all: day.marks.length });
+  context.fillText(cut, plot.left + 2, top + (rows.length + 0.5) * ROW_PX);
 }
 
 /** What a row is about, beside its mark: to the right of it, or to the left where there is more room. */

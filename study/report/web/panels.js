@@ -288,7 +288,7 @@ function batteries(host, context) {
   heading(host.ownerDocument, host, words.say("Batteries"), words.say("Lowest state of charge of each set in the day; above, how far its energy then lay over what is to be kept back. Minutes that suffice: the least charging after which the set comes to its next charge with just that; – where no time would do. A place – lies off the line. Given, taken and lost are counted at the battery; missing is what a train asked of it and did not get."));
   const [units, lowest, margins] = ["unit", "soc_lowest", "margin_kwh"].map((label) => valuesOf(table, label));
   chart(host, context, 220, words.say("Lowest state of charge by set"), (canvas, width, height) => drawBars(canvas, width, height, {
-    labels: units, unit: "%", tops: margins.map((kwh) => `${kwh > 0 ? "+" : ""}${kwh.toFixed(0)} kWh`.replace("-", "−")),
+    labels: units, unit: "%", tops: margins.map((kwh) => (kwh === null ? "–" : `${kwh > 0 ? "+" : ""}${kwh.toFixed(0)} kWh`.replace("-", "−"))),
     series: [{ label: headingOf(columnOf(table, "soc_lowest"), words), colour: COLOURS.traction, values: lowest }],
   }));
   tables(host, context, ["battery_sets", "charges"], true);
@@ -318,7 +318,7 @@ export function marginsPaper(host, context) {
   const [from, to, least, margin] = ["from_station", "to_station", "least_s", "margin_s"].map((label) => valuesOf(table, label));
   chart(host, context, 400, words.say("Planned and least running time by hop"), (canvas, width, height) => drawBars(canvas, width, height, {
     labels: from.map((id, i) => `${words.place(id)}–${words.place(to[i])}`), unit: words.say("s"),
-    tops: margin.map((s) => (s > 0 ? `+${s}` : String(s).replace("-", "−"))),
+    tops: margin.map((s) => (s === null ? "–" : s > 0 ? `+${s}` : String(s).replace("-", "−"))),
     series: [
       { label: words.say("least"), colour: "#c9d6e4", values: least },
       { label: words.say("smallest margin"), colour: COLOURS.traction, values: margin.map((s) => Math.max(s, 0)) },

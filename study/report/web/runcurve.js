@@ -1,6 +1,7 @@
 // The run curve (運転曲線) of a train: speed and time over distance, limits, gradients and curves, stations, leg minutes.
 import { valueAt } from "./data.js";
 import { COLOURS, dress, font } from "./layer.js";
+import { fitted } from "./marks.js";
 import { niceStep, spread } from "./view.js";
 
 const LEFT = 52;
@@ -41,7 +42,7 @@ export function roomForNames(context, stations, words, width) {
   const widest = Math.max(0, ...widths);
   const cut = width < 600 || Math.max(0, widths[0], widths[widths.length - 1]) * Math.cos(NAME_ANGLE) > RIGHT - 6;
   const angle = cut ? Math.PI / 2 : NAME_ANGLE;
-  return { angle, top: Math.min(Math.ceil(widest * Math.sin(angle)) + 30, 170) };
+  return { angle, top: Math.min(Math.ceil(widest * Math.sin(angle)) + 30, 220) };
 }
 
 /** Px of a kilometrage: a train runs from left to right, so the axis of an UP train is turned. */
@@ -272,7 +273,10 @@ function drawStrips(context, course, axis, inside, places, plot, words) {
 function bar(context, from, to, height, strip, colour, text) {
   const middle = strip.top + strip.height / 2;
   const reach = strip.height / 2 - 13;
-  const [a, b] = [Math.min(from, to), Math.max(from, to)];
+  // What of it is in view, so that its text is.
+  const a = Math.max(Math.min(from, to), strip.left);
+  const b = Math.min(Math.max(from, to), strip.left + strip.width);
+  if (b <= a) return;
   context.fillStyle = colour;
   context.fillRect(a, middle, b - a, -height * reach);
   if (!text || b - a < context.measureText(text).width + 4) return;
@@ -325,7 +329,7 @@ function drawNames(context, stations, train, places, plot, words, angle) {
     context.translate(tops[i], plot.top - 18);
     context.rotate(-angle);
     context.fillStyle = called.has(station.id) ? COLOURS.ink : COLOURS.pale;
-    context.fillText(words.place(station), 0, 0);
+    context.fillText(fitted(context, words.place(station), (plot.top - 22) / Math.sin(angle)), 0, 0);
     context.restore();
     context.strokeStyle = "#b9b9b9";
     context.beginPath();
@@ -344,9 +348,9 @@ function drawLegMinutes(context, train, places, plot) {
   stops.slice(1).forEach((there, i) => {
     const here = stops[i];
     const took = there.a - here.d;
-    const x = (places.x(here.station.m) + places.x(there.station.m)) / 2;
-    const room = Math.abs(places.x(there.station.m) - places.x(here.station.m));
-    if (Number.isNaN(took) || x < plot.left || x > plot.left + plot.width) return;
+    const [a, b] = [here, there].map((call) => Math.min(Math.max(places.x(call.station.m), plot.left), plot.left + plot.width));
+    const [x, room] = [(a + b) / 2, Math.abs(b - a)];
+    if (Number.isNaN(took)) return;
     const whole = Math.round(took);
     const text = `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
     const width = context.measureText(text).width;

@@ -84,5 +84,6 @@ export function clock(time, seconds = false) {
 
 /** How late, +MM:SS, with hours where there are any; what is early has a minus. */
 export function late(time) {
-  return time === null ? "–" : `${time < -0.5 ? "−" : "+"}${clock(Math.abs(time), true).replace(/^00:/, "")}`;
+  if (time === null || Number.isNaN(time)) return "–";
+  return `${time < 0 && Math.round(-time) > 0 ? "−" : "+"}${clock(Math.abs(time), true).replace(/^00:/, "")}`;
 }

@@ -140,7 +140,10 @@ TOGETHER: Final[dict[str, tuple[tuple[str | int, ...], object]]] = {
     "mass by length, full": (("body", "mass_empty_t"), 1000.0),
     "length by car": (("body", "cars"), 60),
     "acceleration of the full train from a stand on the level": (("traction", "curve_force_kn"), [0.5, 0.5, 0.5]),
-    "greatest force over the grip of the driven axles on dry rail, empty": (("traction", "force_max_kn"), 300.0),
+    "greatest force at a start over the grip of the driven axles on dry rail, full": (
+        ("traction", "force_max_kn"),
+        100.0,
+    ),
     "power over greatest force times greatest speed": (("traction", "power_max_kw"), 5.0),
     "running resistance at the greatest speed by weight": (("resistance", "air_n_per_kmh2"), 20.0),
     "strongest service notch over the grip of all axles on dry rail": (

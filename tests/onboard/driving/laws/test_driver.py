@@ -98,3 +98,18 @@ def test_a_start_just_short_of_the_mark_is_one_move(gradient_permille: float, le
     assert outcome["time_s"] < 30.0
     assert outcome["speed_max_mps"] < 5.0
     assert abs(outcome["error_m"]) < 0.5
+
+
+def test_a_driver_whose_wheels_slip_takes_less_power_and_a_notch_more_when_they_roll() -> None:
+    """Full notch takes 0.74 of the dry rail's grip: on half of that grip wheels slip in the sixth of seven
+    notches, which he takes at the start, and roll in the third.
+    """
+    bench = paper_bench("driver", LawTables.model_validate({"driver": widened_habits(0.0)}), lambda *_: 0.0)
+    hops = new_hops([95.0])
+    hops["adhesion_factor"] = 0.5
+    outcomes, trace = HopBench(bench, one_gradient(HOP_M, 0.0)).run(hops, STEPS_MAX)
+    start = trace["notch"][:300].tolist()
+    assert start[0] == 6.0
+    assert min(start) <= 3.0
+    assert max(start[start.index(min(start)) :]) > min(start)
+    assert outcomes[0]["slid_steps"] < 0.15 * outcomes[0]["steps"]

@@ -256,3 +256,93 @@ test("a train without a plan leaves at a whole second", () => {
 test("an hour late is not on time", () => {
   assert.deepEqual([0, 65.4, 3605, -30, null].map(late), ["+00:00", "+01:05", "+01:00:05", "−00:30", "–"]);
 });
+
+test("a drill with more marks than rows says how many of them are shown", async () => {
+  const { drawStrip, stripHeight } = await from("marks.js");
+  const mark = (i) => ({ kind: "A", label: `A${i}`, text: ["act", "操作"], from: 10 * i, to: null, at: null, units: [], stretches: [], passed: true });
+  const marked = (count) => ({ ...dayOf(example()), marks: Array.from({ length: count }, (_, i) => mark(i)) });
+  const texts = [];
+  const context = new Proxy({ measureText: () => ({ width: 10 }), fillText: (text) => texts.push(text) },
+    { get: (target, name) => target[name] ?? (() => {}), set: () => true });
+  const shown = (count, words) => {
+    texts.length = 0;
+    drawStrip(context, marked(count), null, { x: (t) => t }, { left: 100, top: 0, width: 500, height: 300 }, { words });
+    return texts.filter((text) => /20/.test(text));
+  };
+  const english = wordsIn("en");
+  const japanese = wordsIn("ja", new Map(), { "{count} of {all}": "{all} 件中 {count} 件" });
+  assert.deepEqual(shown(14, english), []);
+  assert.deepEqual(shown(20, english), ["14 of 20"]);
+  assert.deepEqual(shown(20, japanese), ["20 件中 14 件"]);
+  assert.equal(stripHeight(marked(20), {}) - stripHeight(marked(14), {}), 16);
+  assert.equal(stripHeight(marked(0), {}), 0);
+});
+
+/** A canvas on which a character is 6 px wide; what is written on it, with the turn and the place. */
+function writtenOn() {
+  const texts = [];
+  const stack = [];
+  let [x0, y0, turn] = [0, 0, 0];
+  const context = {
+    measureText: (text) => ({ width: 6 * text.length }),
+    fillText: (text, x, y) => texts.push({ text, x: x0 + x, y: y0 + y, turn }),
+    save: () => stack.push([x0, y0, turn]), restore: () => { [x0, y0, turn] = stack.pop(); },
+    translate: (x, y) => { x0 += x; y0 += y; }, rotate: (angle) => { turn += angle; },
+  };
+  return { texts, context: new Proxy(context, { get: (target, name) => target[name] ?? (() => {}), set: () => true }) };
+}
+
+const bars = async (values, more = {}) => {
+  const { drawBars } = await from("charts.js");
+  const { texts, context } = writtenOn();
+  drawBars(context, 600, 300, { labels: values.map((_, i) => `T${i}`), unit: "kWh", series: [{ label: "s", colour: "#000", values }], ...more });
+  return texts;
+};
+
+test("bars of nothing but nought have a scale that can be read, and one without a value does not blank the others", async () => {
+  assert.ok((await bars([0, 0])).every(({ text }) => !text.includes("e-") && !/0\.0000/.test(text)));
+  for (const missing of [null, NaN, Infinity]) {
+    const texts = await bars([40, missing]);
+    assert.ok(texts.some(({ text }) => text === "40"), String(missing));
+    assert.ok(texts.every(({ x, y }) => Number.isFinite(x) && Number.isFinite(y)));
+  }
+  assert.ok((await bars([-3, -1])).some(({ text }) => text.startsWith("−")));
+});
+
+test("what stands above a bar is upright where it has no room", async () => {
+  const turnOf = (texts, wanted) => texts.find(({ text }) => text === wanted).turn;
+  const values = Array.from({ length: 12 }, () => 5);
+  assert.equal(turnOf(await bars(values, { tops: values.map(() => "+1") }), "+1"), 0);
+  assert.notEqual(turnOf(await bars(values, { tops: values.map(() => "+12345 kWh") }), "+12345 kWh"), 0);
+});
+
+test("lateness has its sign, and a dash where there is none", () => {
+  assert.deepEqual([0, 0.4, -0.4, -0.5, -61, 3700].map(late), ["+00:00", "+00:00", "+00:00", "−00:01", "−01:01", "+01:01:40"]);
+  assert.deepEqual([null, NaN].map(late), ["–", "–"]);
+});
+
+test("names above a run curve, gradients and minutes stand within what is seen of it", async () => {
+  const { boundsOf: boundsOfCurve, drawRunCurve } = await from("runcurve.js");
+  const day = dayOf(example());
+  const layer = { colour: "#000", width: 1, dashes: [], alpha: 1 };
+  const layers = Object.fromEntries(["limit", "permitted", "target", "down", "up"].map((name) => [name, layer]));
+  const axis = { ...day.line.axes[0], gradients: [[0, 2000, 12]], curves: [[0, 2000, -300]] };
+  const pictured = { ...day, line: { ...day.line, axes: [axis] }, pictures: { ...day.pictures, run_curve: { layers, up: ["km/h", "km/h"] } } };
+  const train = day.byNumber.get("T1");
+  const empty = { t: new Float64Array(), v: new Float64Array() };
+  const course = { ...train.courses[0], braked: [], permitted: empty, target: empty, notch: empty };
+  const bounds = boundsOfCurve(course, train);
+  const long = "B".repeat(60);
+  const words = { ...wordsIn("en"), place: () => long };
+  const { texts, context } = writtenOn();
+  // Between the first two stations, where neither the middle of the gradient nor that of the leg is.
+  const view = { x0: 100 - bounds.low, x1: 400 - bounds.low };
+  drawRunCurve(context, pictured, course, train, view, { words }, 700, 500);
+  assert.ok(texts.some(({ text }) => text === "12"));
+  assert.ok(texts.some(({ text }) => text === "300"));
+  const whole = writtenOn();
+  drawRunCurve(whole.context, pictured, course, train, { x0: 0, x1: bounds.high - bounds.low }, { words }, 700, 500);
+  const names = whole.texts.filter(({ text }) => text.startsWith("BB"));
+  assert.ok(names.length > 0);
+  assert.ok(names.every(({ text, y, turn }) => y - 6 * text.length * Math.sin(-turn) >= 0));
+});
