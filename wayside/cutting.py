@@ -10,7 +10,7 @@ leave all able to finish whether it is done or not (`wayside.unanswered`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, inf
+from math import ceil
 from typing import Final
 
 import msgspec
@@ -117,8 +117,10 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
     """The cut that costs least, if it saves enough."""
     unit_id, place = days.unit_ids[index], stands.at[index]
     without_s = delay_s(register, days, stands, ())
-    if without_s is None and WEIGHED:
-        return None  # nobody knows how all can finish: no time to cut trains by what that costs
+    if without_s is None:
+        if WEIGHED:
+            return None  # nobody knows how all can finish: no time to cut trains by what that costs
+        without_s = 0.0
     found: list[_Weighed] = []
     for number in days.next_trains(index, place)[:TRAINS_MAX]:
         trains = days.trains_cut(index, place, number)
@@ -129,7 +131,7 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
         if lost_s is None:
             continue
         lost_s += _stated_s(register, days, index, place, trains)
-        found.append(_Weighed(number, trains, lost_s, without_s or inf))
+        found.append(_Weighed(number, trains, lost_s, without_s))
     best = min(found, key=lambda one: one.with_it_s, default=None)
     if best is None or not WEIGHED:
         return best

@@ -15,10 +15,14 @@ CARRIES: Final = (("tags", "lidar"), ("lidar",), ("gnss", "lidar"), ("lidar", "c
 WEATHER_P, VISIBILITY_M, DIRT_MAX = 0.5, (30.0, 20_000.0), 0.5
 DISPATCH_P: Final = 0.7
 LATE_MIN: Final = (0.0, 0.5, 1.0, 4.0)  # short days: little makes them late
-CANCELLED_MIN: Final = (0.5, 5.0, 60.0)
-GAIN_MIN: Final = (0.0, 1.0, 10.0)
+CUTS_MIN: Final = (
+    (0.1, 0.0),
+    (0.5, 0.0),
+    (5.0, 1.0),
+    (60.0, 10.0),
+)  # what a cut call counts, and what a cut must gain
 HOLD_P, END_P, BY_HAND_P = 0.35, 0.3, 0.25
-HOLD_S: Final = (20.0, 300.0)
+HOLD_S: Final = (20.0, 600.0)
 NOTCHES: Final = (-7, 4)
 Row = dict[str, Any]
 
@@ -46,6 +50,7 @@ def means(setup: Setup, draw: Draw) -> Row:
         return {}
     some = draw.of("some")
     stations = [station.id for station in setup.line.stations.values() if not station.is_halt]
+    cancelled_min, gain_min = draw.of("cuts").one_of(CUTS_MIN)
     table = {
         "certificate": True,
         "order": draw.one_of([order.value for order in OrderRule]),
@@ -53,8 +58,8 @@ def means(setup: Setup, draw: Draw) -> Row:
         "turn_back_at": [name for name in stations if some.of("at", name).chance(0.6)],
         "cancel_trains": [number for number in setup.timetable.trains if some.of("cut", number).chance(0.5)],
         "keep_order_below_min": draw.one_of(LATE_MIN),
-        "cancelled_min": draw.of("cancelled").one_of(CANCELLED_MIN),
-        "cut_gain_min": draw.of("gain").one_of(GAIN_MIN),
+        "cancelled_min": cancelled_min,
+        "cut_gain_min": gain_min,
         "overtaken_max": draw.of("overtaken").whole(1, 3),
     }
     return {"dispatch": table}
@@ -79,7 +84,7 @@ def said(setup: Setup, when: dict[str, Any], draw: Draw) -> tuple[Row, ...]:
             )
     end = draw.of("end")
     sets = [d for d in setup.timetable.diagrams if len(d.train_numbers) > 1]
-    # Nobody proves that all can finish after what a person says (decision 176), and at an end of one track they may not.
+    # Nobody proves that all can finish after what a person says (decision 176): at an end of one track they may not.
     can_pass = all(len(station.tracks) > 1 for station in setup.line.stations.values() if not station.is_halt)
     if sets and can_pass and end.chance(END_P):
         diagram = end.one_of(sets)

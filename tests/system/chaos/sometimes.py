@@ -3,7 +3,6 @@
 A generator that never leads into a situation shows nothing about it, however many of its cases end well.
 """
 
-from collections import Counter
 from collections.abc import Iterable
 from types import MappingProxyType
 from typing import Final
@@ -98,7 +97,8 @@ DROPS: Final[MappingProxyType[str, DropReason]] = MappingProxyType(
     }
 )
 IN_BLOCKS: Final = "two trains are in the blocks of one section"
-ONE_BY_ONE: Final = "a way is given back section by section"
+ON_ITS_WAY: Final = "a train on its way gives back what is behind it"
+MOST_AT_A_STAND: Final = 2  # sections: the points by which it came, and its track
 WAITS_TO_COME_IN: Final = "a train waits for leave to come in"
 BY_LIDAR: Final = "a fix by a LiDAR is believed"
 BY_HAND: Final = "a train is driven by hand"
@@ -118,7 +118,7 @@ ALL: Final = (
     RESTARTED_MANAGER,
     *DROPS,
     IN_BLOCKS,
-    ONE_BY_ONE,
+    ON_ITS_WAY,
     WAITS_TO_COME_IN,
     BY_LIDAR,
     BY_HAND,
@@ -127,25 +127,26 @@ ALL: Final = (
 )
 
 
+def _cut(section_ids: Iterable[str]) -> set[str]:
+    """Sections of which these are blocks."""
+    return {section_id.rpartition("_")[0] for section_id in section_ids if "_" in section_id}
+
+
 class _Course:
-    """What follows from several entries: who holds which blocks, and what each gives back between two stands."""
+    """What follows from several entries: who holds what."""
 
     def __init__(self) -> None:
-        self._blocks: dict[str, set[str]] = {}
-        self._freed: Counter[str] = Counter()
+        self._held: dict[str, tuple[str, ...]] = {}
 
     def see(self, entry: JournalEntry) -> str | None:
         """What an entry comes to; None: nothing of this."""
         match entry.event:
             case notes.Holds(section_ids=section_ids):
-                self._blocks[entry.who] = {s.rpartition("_")[0] for s in section_ids if "_" in s}
-                others = (held for unit_id, held in self._blocks.items() if unit_id != entry.who)
-                return IN_BLOCKS if any(self._blocks[entry.who] & held for held in others) else None
-            case notes.Departs() | notes.Arrived():
-                self._freed[entry.who] = 0
+                self._held[entry.who] = section_ids
+                others = (held for unit_id, held in self._held.items() if unit_id != entry.who)
+                return IN_BLOCKS if any(_cut(section_ids) & _cut(held) for held in others) else None
             case said.Freed(unit_id=unit_id):
-                self._freed[unit_id] += 1
-                return ONE_BY_ONE if self._freed[unit_id] > 1 else None
+                return ON_ITS_WAY if len(self._held.get(unit_id, ())) > MOST_AT_A_STAND else None
             case said.Refused(why=RefusalReason.OVERLAP.name):
                 return WAITS_TO_COME_IN
             case notes.FixTaken(reader=PositionSensor.LIDAR.value):

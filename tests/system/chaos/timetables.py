@@ -127,7 +127,7 @@ def _again(there: Planned, stops: Sequence[Stop], legs: int, draw: Draw) -> list
         direction = "up" if before.direction == "down" else "down"
         way = stops if direction == "down" else _mirrored(stops)
         stays = leg < legs - 1 or not way[-1].portal or draw.chance(0.5)
-        leaves_s = (before.calls[-1].arrival_s or 0) + draw.whole(90, 240)
+        leaves_s = (before.calls[-1].arrival_s or 0) + draw.whole(75, 160)
         calls = _calls(way, direction, leaves_s, stands=True, stays=stays, draw=draw)
         calls = (replace(calls[0], track=before.calls[-1].track), *calls[1:])
         number = f"{there.number}{AGAIN[leg]}"
