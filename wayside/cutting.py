@@ -117,10 +117,8 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
     """The cut that costs least, if it saves enough."""
     unit_id, place = days.unit_ids[index], stands.at[index]
     without_s = delay_s(register, days, stands, ())
-    if without_s is None:
-        if WEIGHED:
-            return None  # nobody knows how all can finish: no time to cut trains by what that costs
-        without_s = 0.0
+    if without_s is None and WEIGHED:
+        return None  # nobody knows how all can finish: no time to cut trains by what that costs
     found: list[_Weighed] = []
     for number in days.next_trains(index, place)[:TRAINS_MAX]:
         trains = days.trains_cut(index, place, number)
@@ -131,7 +129,7 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
         if lost_s is None:
             continue
         lost_s += _stated_s(register, days, index, place, trains)
-        found.append(_Weighed(number, trains, lost_s, without_s))
+        found.append(_Weighed(number, trains, lost_s, lost_s if without_s is None else without_s))
     best = min(found, key=lambda one: one.with_it_s, default=None)
     if best is None or not WEIGHED:
         return best

@@ -59,10 +59,10 @@ def reckons_with_ten_times_the_way(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
-def hears_of_no_next_train(patch: pytest.MonkeyPatch) -> None:
-    """The manager goes on by the day of a set as it was before it was told to go on as another train."""
-    patch.setattr(cutting, "reported", lambda register, _heard: (register, ()))
-    patch.setattr(cutting, "followed_cut", lambda register, *_: register)
+def takes_no_delay_for_one_that_nobody_knows(patch: pytest.MonkeyPatch) -> None:
+    """Where no train would be late, whether to cut one is weighed as where nobody knows how all can finish."""
+    delay_s = cutting.delay_s
+    patch.setattr(cutting, "delay_s", lambda *asked: delay_s(*asked) or float("inf"))
 
 
 @switch

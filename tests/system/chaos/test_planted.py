@@ -45,6 +45,7 @@ WIDE: Final = {
     "keeps_trains_back_for_ever": ("dead: route",),
     "stays_in_hand": (Checker.NO_DEAD_STATE,),
 }
+RARE: Final = range(530, 545)  # few cases come to a cut; the first one that did is among these
 
 
 def _found(name: str, runs: int, nets: Path, family: Family = Family.TEST_LINE) -> Found:
@@ -69,3 +70,10 @@ def test_a_defect_is_found_soon(name: str, nets: Path) -> None:
 @pytest.mark.parametrize("name", others_nightly(WIDE, ["has_its_markers_elsewhere"]))
 def test_a_defect_of_what_lines_and_days_may_have_besides_is_found(name: str, nets: Path) -> None:
     assert _found(name, 60, nets, Family.WIDE).kind.startswith(WIDE[name])
+
+
+@pytest.mark.nightly
+def test_a_defect_of_what_a_dispatcher_may_do_is_found(nets: Path) -> None:
+    found = found_by(SWITCHES["takes_no_delay_for_one_that_nobody_knows"], Family.WIDE, RARE, nets)
+    assert found is not None
+    assert found.kind == "crash: ValueError in wayside/cutting.py:_why"
