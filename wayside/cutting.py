@@ -10,7 +10,7 @@ leave all able to finish whether it is done or not (`wayside.unanswered`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, inf
+from math import ceil
 from typing import Final
 
 import msgspec
@@ -129,7 +129,7 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
         if lost_s is None:
             continue
         lost_s += _stated_s(register, days, index, place, trains)
-        found.append(_Weighed(number, trains, lost_s, without_s or inf))
+        found.append(_Weighed(number, trains, lost_s, lost_s if without_s is None else without_s))
     best = min(found, key=lambda one: one.with_it_s, default=None)
     if best is None or not WEIGHED:
         return best

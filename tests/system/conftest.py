@@ -18,6 +18,7 @@ from tests.system import (  # noqa: F401 - they enter themselves
     switches_on_board,
     switches_radio,
     switches_wayside,
+    switches_wide,
 )
 from tests.system.switchboard import FOLDER, SWITCHES, Switch
 

@@ -113,3 +113,10 @@ def believes_any_code(patch: pytest.MonkeyPatch) -> None:
 @switch
 def hears_the_first_network_alone(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(world_radio, "combined", lambda first, _second, _sent: first)
+
+
+@switch
+def takes_what_both_networks_bring(patch: pytest.MonkeyPatch) -> None:
+    """A telegram that comes over two networks comes twice, and the envelope lets it."""
+    patch.setattr(world_radio, "combined", lambda first, second, _sent: (*first, *second))
+    accepts_telegrams_twice(patch)

@@ -111,6 +111,13 @@ def test_a_train_in_time_is_not_ended() -> None:
     assert isinstance(says(play, ONWARD)[-1], RouteGranted)
 
 
+def test_no_delay_is_the_least_there_is() -> None:
+    """Who leaves to the second loses nothing, however soon one counts as late."""
+    play = at_the_loop(cuts=replace(RULES, gain_s=0.0), late_s=0.0)
+    play.now_s = 200.0
+    assert isinstance(says(play, ONWARD)[-1], RouteGranted)
+
+
 def test_done_it_goes_on_as_the_other_train_and_doubled_nothing_is_new() -> None:
     play = at_the_loop()
     says(play, ONWARD)

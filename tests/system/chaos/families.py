@@ -1,5 +1,5 @@
-"""The families of cases: the test line, the Karasuyama line's busiest hour, lines that are drawn, and those with level
-crossings.
+"""The families of cases: the test line, the Karasuyama line's busiest hour, lines that are drawn, those with level
+crossings, and all of these but the hour with what `wide` adds.
 """
 
 from enum import Enum
@@ -7,16 +7,15 @@ from functools import cache
 from typing import Any, Final
 
 from network.clock import clock
-from network.errors import InputError
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
 from network.model import Direction
 from network.timetable import AtPortal, BecomesTrain, Timetable, TimetableTrain, load_timetable
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.ground import Ground, timetable_table
-from tests.system.chaos.lines import drawn_line
-from tests.system.chaos.timetables import Stop, trains_on
+from tests.system.chaos.timetables import TEST_LINE_STOPS, trains_on
 from tests.system.chaos.toml_text import toml_of
+from tests.system.chaos.wide import SECOND_AIR, SWEPT_S, WIDE, line_that_can_be, wide_ground
 
 
 class Family(Enum):
@@ -26,19 +25,14 @@ class Family(Enum):
     HOUR = "hour"
     LINES = "lines"
     CROSSINGS = "crossings"
+    WIDE = "wide"
 
 
 SHIPPED: Final = ("rtri_two_trains", "rtri_crossing", "rtri_turn_back")
 TIMETABLES: Final = 24  # of the test line, those shipped included
 LINES: Final = 20
 DAYS: Final = 2  # timetables of each drawn line
-TEST_LINE_STOPS: Final = (Stop("A", portal="PW"), Stop("B", run_s=120, portal="PE"))
 HOUR_S: Final = 3600.0
-SWEPT_S: Final = (
-    14_400.0  # after the last planned time: trains that sweep the whole line on sight, one after the other
-)
-_TRIES: Final = 50
-SECOND_AIR: Final = {"delay_min_s": 0.2, "delay_mean_s": 0.4, "loss_good_p": 0.02}
 
 
 def ground_of(family: Family, seed: int) -> Ground:
@@ -52,6 +46,8 @@ def ground_of(family: Family, seed: int) -> Ground:
             return _drawn_line(seed % LINES, seed // LINES % DAYS)
         case Family.CROSSINGS:
             return _drawn_line(seed % LINES, seed // LINES % DAYS, crossed=True)
+        case Family.WIDE:
+            return wide_ground(seed % WIDE)
 
 
 @cache
@@ -69,24 +65,19 @@ def _test_line(number: int) -> Ground:
 @cache
 def _drawn_line(number: int, day: int, *, crossed: bool = False) -> Ground:
     name = f"crossed_{number}" if crossed else f"drawn_{number}"
-    for attempt in range(_TRIES):
-        try:
-            line = drawn_line(name, Draw(number, ("line", str(attempt))), crossed=crossed)
-        except (InputError, ValueError):  # too short for the rule of the tags, or for netconvert
-            continue
-        times = f"{name}_{day}_times"
-        trains = trains_on(line.stops, Draw(number, ("times", str(day))))
-        head = {
-            "line": f"{name}.toml",
-            "timetable": f"{times}.toml",
-            "assumed": ["everything: drawn by chance"],
-            "trains": {"default": "ev_e301"},
-            "limits": {"time_limit_s": SWEPT_S},
-            **({"second_air": SECOND_AIR} if line.second_network else {}),
-        }
-        timetable = toml_of(timetable_table(times, name, trains))
-        return Ground(f"{name}_{day}", head, {f"{name}.toml": line.text, f"{times}.toml": timetable})
-    raise RuntimeError(f"no line in {_TRIES} tries: {name}")
+    line = line_that_can_be(name, Draw(number, ("line",)), crossed=crossed)
+    times = f"{name}_{day}_times"
+    trains = trains_on(line.stops, Draw(number, ("times", str(day))))
+    head = {
+        "line": f"{name}.toml",
+        "timetable": f"{times}.toml",
+        "assumed": ["everything: drawn by chance"],
+        "trains": {"default": "ev_e301"},
+        "limits": {"time_limit_s": SWEPT_S},
+        **({"second_air": SECOND_AIR} if line.second_network else {}),
+    }
+    timetable = toml_of(timetable_table(times, name, trains))
+    return Ground(f"{name}_{day}", head, {f"{name}.toml": line.text, f"{times}.toml": timetable})
 
 
 @cache

@@ -20,12 +20,14 @@ from scenario.script_file import names_of
 from simulation.faults.fault import Fault, Names
 from simulation.people import Pause
 from simulation.setup import Setup
+from tests.system.chaos import dispatcher
 from tests.system.chaos.case import Case
 from tests.system.chaos.course import Course, clock_tenths
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.families import Family, ground_of
 from tests.system.chaos.fault_fields import DRAWN, aimed_at, fields_of, target_of
 from tests.system.chaos.run_one import undisturbed
+from tests.system.chaos.wide import OVERLAP_P, OVERLAPS_M
 from wayside.config import OrderRule
 
 Kinds = tuple[type[Fault[Any]], ...]
@@ -41,12 +43,6 @@ BY_HAND_P: Final = 0.2
 OTHER_LAW_P: Final = 0.3
 CENTRAL_P: Final = 0.3
 BY_SECTION_P: Final = 0.4
-OVERLAP_P: Final = 0.4
-OVERLAPS_M: Final = (
-    60.0,
-    120.0,
-    200.0,
-)  # to the points of some tracks, of all, and with points behind points
 CARRIES_P: Final = 0.4
 CARRIES: Final = (
     ("tags", "gnss"),
@@ -88,17 +84,22 @@ def case_of(family: Family, seed: int, nets: Path, *, swarm: bool = False) -> Ca
         _fault(times, names, draw.of("fault", str(i)), kinds)
         for i in range(draw.of("count").whole(least, FAULTS_MAX))
     )
-    return Case(
-        f"{'swarm_' if swarm else ''}{family.value}_{seed}",
-        ground,
+    head, acts = (
         _head(family, seed, draw.of("head")),
-        faults,
-        (
+        [
             *_give_back(times, names, draw.of("give back")),
             *_barred(times, names, draw.of("barred")),
             *_wrong(times, scenario.setup, draw.of("wrong")),
-        ),
+        ],
     )
+    if family is Family.WIDE:
+        setup, desk = scenario.setup, draw.of("desk")
+        head |= dispatcher.carried(setup, draw.of("lidar"))
+        head |= dispatcher.means(setup, draw.of("means"))
+        acts += dispatcher.said(setup, times.drawn(desk.of("time")), desk)
+        acts += dispatcher.driven(setup, times.drawn(desk.of("hand", "time")), desk.of("hand"))
+    name = f"{'swarm_' if swarm else ''}{family.value}_{seed}"
+    return Case(name, ground, head, faults, tuple(acts))
 
 
 class _Times:
@@ -127,17 +128,31 @@ def swarm_kinds(names: Names, draw: Draw) -> Kinds:
 
 
 def _fault(times: _Times, names: Names, draw: Draw, kinds: Kinds) -> dict[str, Any]:
+    return _failure(times.drawn(draw.of("time")), times.uses, names, draw, kinds)
+
+
+def _failure(
+    when: dict[str, Any], uses: frozenset[str], names: Names, draw: Draw, kinds: Kinds
+) -> dict[str, Any]:
     fails = draw.of("quantity").one_of(
         sorted(
             {kind.changes for kind in kinds if kind.targets(names)}
         )  # no charger where trains run from a wire
     )
     kind = draw.of("kind").one_of([kind for kind in kinds if kind.changes == fails])
-    table = {"kind": kind.kind, "target": target_of(kind, names, times.uses, draw.of("target"))}
-    table |= times.drawn(draw.of("time"))
+    table = {"kind": kind.kind, "target": target_of(kind, names, uses, draw.of("target"))} | when
     if not kind.momentary:
         table["duration_s"] = draw.of("duration").by_size(*DURATION_S)
     return table | fields_of(kind, names, draw.of("field"))
+
+
+def deed(setup: Setup, draw: Draw) -> tuple[str, dict[str, Any]]:
+    """What is done at a desk at once: an act of a dispatcher or a crew, or a fault that begins; which of the two."""
+    acts = (*dispatcher.said(setup, {}, draw.of("said")), *dispatcher.driven(setup, {}, draw.of("driven")))
+    if acts:
+        return "act", draw.one_of(acts)
+    names = aimed_at(names_of(setup), setup.line)
+    return "fault", _failure({}, frozenset(), names, draw.of("fault"), DRAWN)
 
 
 def _give_back(times: _Times, names: Names, draw: Draw) -> tuple[dict[str, Any], ...]:
@@ -186,7 +201,7 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
     if draw.of("release").chance(BY_SECTION_P):
         head["operation"] = head.get("operation", {}) | {"release": ReleaseRule.SECTION.value}
     overlap = draw.of("overlap")
-    if overlap.chance(OVERLAP_P):
+    if family is not Family.WIDE and overlap.chance(OVERLAP_P):  # whose grounds have one
         head["patch"] = {"line": {"set": {"line.overlap_m": overlap.one_of(OVERLAPS_M)}}}
     law = draw.of("law")
     if law.chance(OTHER_LAW_P):
@@ -194,7 +209,7 @@ def _head(family: Family, seed: int, draw: Draw) -> dict[str, Any]:
     if draw.of("carries").chance(CARRIES_P):
         head["sensors"] = {"carries": list(draw.of("carried").one_of(CARRIES))}
     dispatch = draw.of("dispatch")
-    if dispatch.chance(DISPATCH_P):
+    if family is not Family.WIDE and dispatch.chance(DISPATCH_P):  # whose dispatchers may do more
         certificate, order = dispatch.chance(0.5), dispatch.one_of([order.value for order in OrderRule])
         head["dispatch"] = {"certificate": certificate, "order": order}
     head["people"] = _people(draw.of("people"), draw.of("staff"))

@@ -69,7 +69,7 @@ def _smaller_ones(case: Case) -> Iterator[Case]:
         yield replace(case, acts=(*case.acts[:i], *case.acts[i + 1 :]))
     for i in reversed(range(len(case.faults))):
         yield replace(case, faults=(*case.faults[:i], *case.faults[i + 1 :]))
-    for key in ("air", "operation", "sensors", "dispatch"):
+    for key in ("air", "operation", "sensors", "lidar", "dispatch"):
         if key in case.head:
             yield replace(case, head={k: v for k, v in case.head.items() if k != key})
 

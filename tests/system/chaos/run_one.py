@@ -120,7 +120,7 @@ def outcome_of(case: Case, nets: Path) -> Outcome:
             return Outcome(Verdict.CRASH, _crash(error), (traceback.format_exc(),), acts=acts)
     verdict, kind, details = judged(result, scenario.setup.line)
     simulated_s = (result.end_step - result.begin_step) / STEPS_PER_S
-    came = come_to(e.event for e in result.journal.entries)
+    came = come_to(result.journal.entries)
     return Outcome(verdict, kind, details, result.digest, simulated_s, stopped_s(result), acts, came)
 
 
@@ -148,7 +148,7 @@ def judged(result: RunResult, line: Line) -> tuple[Verdict, str, tuple[str, ...]
         first = min(broken, key=lambda v: v.t_s)
         return Verdict.BROKEN, f"{first.checker}: {_general(first.text, result)}", details
     planned = {*result.trains_planned, *result.empty_planned}
-    missing = planned - {*result.trains_arrived, *result.empty_arrived}
+    missing = planned - {*result.trains_arrived, *result.empty_arrived, *result.cut}
     if missing or result.unfinished:
         late = "" if missing else "arrived, but "
         return Verdict.NOT_ARRIVED, f"dead: {late}{_waits(result, line)}", details

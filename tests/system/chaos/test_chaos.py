@@ -13,19 +13,26 @@ from typing import Final
 import pytest
 
 from simulation.judge.checkers import Checker
+from simulation.loop import Simulation
 from study.drilling.drill import run_drill
 from study.runner.run import FinishedRun, PartyLink
 from tests.nightly import others_nightly
 from tests.system.chaos.campaign import none_fails
 from tests.system.chaos.families import Family
+from tests.system.chaos.generator import case_of
+from tests.system.chaos.twice import differs
 
 SLICE: Final = (
     (Family.TEST_LINE, 0, 4),
     (Family.HOUR, 0, 1),
     (Family.LINES, 0, 1),
     (Family.CROSSINGS, 0, 2),
+    (Family.WIDE, 3, 5),
 )
-ALL: Final = {Family.TEST_LINE: 4000, Family.HOUR: 500, Family.LINES: 500, Family.CROSSINGS: 500}
+ALL: Final = {
+    Family.TEST_LINE: 4000,
+    **dict.fromkeys((Family.HOUR, Family.LINES, Family.CROSSINGS, Family.WIDE), 500),
+}
 CHUNK: Final = 250
 CHUNKS: Final = tuple(
     (family, low, high) for family, count in ALL.items() for low, high in pairwise(range(0, count + 1, CHUNK))
@@ -91,6 +98,21 @@ def test_a_slice(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path, rec
 @pytest.mark.parametrize("chunk", CHUNKS, ids=_ids)
 def test_all(chunk: tuple[Family, int, int], nets: Path, tmp_path: Path, record_property: Record) -> None:
     _run(*chunk, nets, tmp_path, record_property)
+
+
+@pytest.mark.parametrize("seeds", others_nightly((range(42, 43), range(60)), [range(42, 43)]), ids=len)
+def test_a_case_run_another_way_is_the_same(seeds: range, nets: Path) -> None:
+    """As a part of its day, and worked at a desk."""
+    cases = ((seed, case_of(Family.WIDE, seed, nets)) for seed in seeds)
+    assert [found for seed, case in cases if (found := differs(Family.WIDE, case, seed, nets))] == []
+
+
+@pytest.mark.nightly
+def test_a_deed_that_cuts_nothing_is_seen(nets: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It then comes where the stretch ends that was foreseen."""
+    monkeypatch.setattr(Simulation, "_cut", lambda _simulation, _step: None)
+    cases = ((seed, case_of(Family.WIDE, seed, nets)) for seed in range(20))
+    assert any("desk" in differs(Family.WIDE, case, seed, nets) for seed, case in cases)
 
 
 @pytest.mark.parametrize(

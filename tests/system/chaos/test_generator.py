@@ -21,6 +21,7 @@ from tests.system.chaos.families import LINES, TIMETABLES, Family, ground_of
 from tests.system.chaos.fault_fields import RANGES, bounds_of, fields_of
 from tests.system.chaos.generator import BEFORE_S, DURATION_S, FAULTS_MAX, WINDOW_S, case_of
 from tests.system.chaos.run_one import Verdict, outcome_of, undisturbed
+from tests.system.chaos.wide import WIDE
 
 # Of a third of its timetables, each of which runs once undisturbed; all of them run by night.
 SEEDS: Final = [seed for seed in range(450) if seed % TIMETABLES < TIMETABLES // 3]
@@ -102,11 +103,12 @@ GROUNDS: Final = (
     *((Family.TEST_LINE, number) for number in range(TIMETABLES)),
     (Family.HOUR, 0),
     *((Family.LINES, number) for number in range(0, 2 * LINES, 3)),
+    *((Family.WIDE, number) for number in range(WIDE)),
 )
 
 
 @pytest.mark.parametrize(
-    "ground", others_nightly(GROUNDS, GROUNDS[::6]), ids=lambda one: f"{one[0].value}-{one[1]}"
+    "ground", others_nightly(GROUNDS, GROUNDS[::12]), ids=lambda one: f"{one[0].value}-{one[1]}"
 )
 def test_a_ground_runs_when_nothing_fails(ground: tuple[Family, int], nets: Path) -> None:
     """Else a case would say nothing of its faults."""

@@ -35,10 +35,21 @@ SOON: Final = {
     "crew_does_not_look": ("unsafe", Checker.POINTS_UNDER_TRAIN),
     "grants_while_undefined": (Checker.UNDEFINED_GRANTS_NOTHING,),
 }
+# What the wide family has besides, each of it by a defect of its own.
+WIDE: Final = {
+    "grants_a_block_too_many": ("crash: ValueError in wayside/register.py",),
+    "lets_all_come_in": (Checker.ONE_COMES_IN,),
+    "takes_what_both_networks_bring": (Checker.TELEGRAM_ONCE,),
+    "has_its_markers_elsewhere": (Checker.WITHIN_BOUNDS,),
+    "reckons_with_ten_times_the_way": ("dead: what takes it to",),
+    "keeps_trains_back_for_ever": ("dead: route",),
+    "stays_in_hand": (Checker.NO_DEAD_STATE,),
+}
+RARE: Final = range(530, 545)  # few cases come to a cut; the first one that did is among these
 
 
-def _found(name: str, runs: int, nets: Path) -> Found:
-    found = found_by(SWITCHES[name], Family.TEST_LINE, range(runs), nets)
+def _found(name: str, runs: int, nets: Path, family: Family = Family.TEST_LINE) -> Found:
+    found = found_by(SWITCHES[name], family, range(runs), nets)
     assert found is not None, f"not in {runs} cases"
     return found
 
@@ -54,3 +65,15 @@ def test_a_defect_is_found_at_once(name: str, nets: Path) -> None:
 @pytest.mark.parametrize("name", SOON)
 def test_a_defect_is_found_soon(name: str, nets: Path) -> None:
     assert _found(name, 1000, nets).kind.startswith(SOON[name])
+
+
+@pytest.mark.parametrize("name", others_nightly(WIDE, ["has_its_markers_elsewhere"]))
+def test_a_defect_of_what_lines_and_days_may_have_besides_is_found(name: str, nets: Path) -> None:
+    assert _found(name, 60, nets, Family.WIDE).kind.startswith(WIDE[name])
+
+
+@pytest.mark.nightly
+def test_a_defect_of_what_a_dispatcher_may_do_is_found(nets: Path) -> None:
+    found = found_by(SWITCHES["takes_no_delay_for_one_that_nobody_knows"], Family.WIDE, RARE, nets)
+    assert found is not None
+    assert found.kind == "crash: ValueError in wayside/cutting.py:_why"

@@ -19,6 +19,7 @@ CHUNKS: Final = (
     *((Family.TEST_LINE, *chunk) for chunk in pairwise(range(0, 1001, 250))),
     (Family.HOUR, 0, 60),
     (Family.LINES, 0, 100),
+    (Family.WIDE, 0, 100),
 )
 
 
@@ -30,7 +31,7 @@ def test_swarms_end_well(chunk: tuple[Family, int, int], nets: Path, tmp_path: P
 
 @pytest.mark.nightly
 def test_swarms_come_to_everything_that_is_meant(nets: Path, tmp_path: Path) -> None:
-    parts = (Family.TEST_LINE, 300), (Family.HOUR, 40), (Family.CROSSINGS, 60)
+    parts = (Family.TEST_LINE, 300), (Family.HOUR, 40), (Family.CROSSINGS, 60), (Family.WIDE, 150)
     came = Counter[str]()
     for family, count in parts:
         came += none_fails(family, range(count), nets, tmp_path, swarm=True).came

@@ -7,11 +7,13 @@ train a direction runs, and they pass each other at a loop.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.ground import Call, Planned
 
 FIRST_S = 10 * 3600
+AGAIN: Final = "BCD"  # after the number of the train that it follows
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +24,9 @@ class Stop:
     run_s: int = 0
     tracks: int = 2
     portal: str = ""
+
+
+TEST_LINE_STOPS: Final = (Stop("A", portal="PW"), Stop("B", run_s=120, portal="PE"))
 
 
 def trains_on(stops: Sequence[Stop], draw: Draw) -> list[Planned]:
@@ -95,3 +100,38 @@ def _with_turn_back(trains: list[Planned], stops: Sequence[Stop], draw: Draw) ->
     )
     turned = [replace(t, ends=f"becomes:{back.number}") if t is there else t for t in trains]
     return [*turned, back]
+
+
+def there_and_back(trains: list[Planned], stops: Sequence[Stop], draw: Draw) -> list[Planned]:
+    """Sets that stay on the line go back, and there again, up to three times; with dead ends both as often, if they
+    can pass between; else one whose tracks at both ends are nobody else's in the end.
+    """
+    dead_end = any(stop.tracks < 2 for stop in (stops[0], stops[-1]))
+    if dead_end and all(stop.tracks < 2 for stop in stops[1:-1]):
+        return trains
+    staying = [train for train in trains if train.ends == "stabled"]
+    alone = [train for train in staying if all(other.direction == train.direction for other in staying)][-1:]
+    legs = draw.whole(1, len(AGAIN))
+    found: list[Planned] = []
+    for train in trains:
+        goes_on = train in (staying if dead_end else alone)
+        found += _again(train, stops, legs, draw.of(train.number)) if goes_on else [train]
+    return found
+
+
+def _again(there: Planned, stops: Sequence[Stop], legs: int, draw: Draw) -> list[Planned]:
+    """A train and those that its set goes on as."""
+    found = [there]
+    for leg in range(legs):
+        before = found[-1]
+        direction = "up" if before.direction == "down" else "down"
+        way = stops if direction == "down" else _mirrored(stops)
+        stays = leg < legs - 1 or not way[-1].portal or draw.chance(0.5)
+        leaves_s = (before.calls[-1].arrival_s or 0) + draw.whole(75, 160)
+        calls = _calls(way, direction, leaves_s, stands=True, stays=stays, draw=draw)
+        calls = (replace(calls[0], track=before.calls[-1].track), *calls[1:])
+        number = f"{there.number}{AGAIN[leg]}"
+        ends = "stabled" if stays else f"portal:{way[-1].portal}"
+        found[-1] = replace(before, ends=f"becomes:{number}")
+        found.append(Planned(there.stock, number, direction, f"from:{before.number}", ends, calls))
+    return found
