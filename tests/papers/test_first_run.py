@@ -16,7 +16,7 @@ from simulation.settings import PositionSensor
 def test_a_run_by_the_map_of_another_run_keeps_its_bounds() -> None:
     setup = load_scenario("karasuyama_weekday").setup
     made = map_by_run(setup, "322M")
-    assert "322M" in made.made and "OGN-KRS" in made.pieces and "OGN.2" not in made.pieces
+    assert "322M" in made.made and "OGN-KRS" in made.pieces and "OGN.1" not in made.pieces
     sensors = setup.sensors.model_copy(update={"carries": (PositionSensor.CURVATURE,)})
     result = PositionRun(replace(setup, seed=7, sensors=sensors, curvature_map=made)).run()
     assert result.arrived and result.out_m <= 0.0

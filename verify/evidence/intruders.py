@@ -76,7 +76,7 @@ def _again(place: _Place) -> bytes | None:
 
 
 def _earlier(place: _Place) -> bytes | None:
-    return _one(place, [one for one in place.here[:-1] if place.now_s - one.at_s < AGE_MAX_S])
+    return _one(place, [one for one in place.here[:-1] if place.now_s - one.at_s < AGE_MAX_S / 2])
 
 
 def _held_back(place: _Place) -> bytes | None:
