@@ -147,7 +147,7 @@ def _stated_s(register: Register, days: Days, index: int, place: int, trains: Se
 def _solved(register: Register, days: Days, stands: Stands, index: int, found: _Weighed) -> _Weighed | None:
     """The same by the order of all trains with least delay, with it and without; None: it does not save enough."""
     unit_id = days.unit_ids[index]
-    register = register.with_trip(unit_id, register.trip(unit_id).asks(register.now_s))
+    register = register.asking(unit_id)
     after = register.with_cut(unit_id, stands.at[index], found.next_train)
     if after is None or after.days is None:
         return None

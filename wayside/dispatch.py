@@ -132,9 +132,7 @@ def order_now(
         return register, LastOrder(0.0, (0,) * len(days.unit_ids), OrderAnswer(days.given)), ()
     if days.order is not OrderRule.OPTIMAL or not is_disturbed(register, days, stands, index):
         return register, None, ()
-    unit_id = days.unit_ids[index]
-    asks = register.with_trip(unit_id, register.trip(unit_id).asks(register.now_s))
-    register, shows = with_order(asks, days, stands)
+    register, shows = with_order(register.asking(days.unit_ids[index]), days, stands)
     return register, register.solved, shows
 
 

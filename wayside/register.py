@@ -211,6 +211,10 @@ class Register(msgspec.Struct, frozen=True):
         """The register with this known of a stock's day."""
         return replace(self, trips={**self.trips, unit_id: trip})
 
+    def asking(self, unit_id: str) -> Register:
+        """With a unit asking for its next move: since now, or still."""
+        return self.with_trip(unit_id, self.trip(unit_id).asks(self.now_s))
+
     def with_track(self, unit_id: str, place: int, section_id: str) -> Register | None:
         """The register with a move of a unit's day ending on another track: what was proven of the day before is not
         known to be so any more. None: it cannot end there.

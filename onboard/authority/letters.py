@@ -250,9 +250,8 @@ class Letters:
     def _proof(self, heard: Received, message: radio.PointsProof) -> sym.Event:
         good = message.locked and message.detected and message.position is not None
         position = message.position.value if good and message.position is not None else None
-        known = self._commanded.get(message.points_id)
-        answers = known is not None and heard.correlation == known.correlation
-        return sym.ProofHeard(message.points_id, heard.source, position, answers and self._mine(message))
+        mine = self._mine(message) and heard.correlation == self._commanded[message.points_id].correlation
+        return sym.ProofHeard(message.points_id, heard.source, position, mine)
 
     def _points_refused(self, heard: Received, message: radio.PointsRefused) -> sym.Event:
         why = message.reason.name.lower().replace("_", " ")

@@ -28,9 +28,7 @@ from study.capacity.links import Links
 from study.capacity.occupation import TOUCH_S, OccupationPart
 from study.feasibility.planned import planned_day
 
-EARLY_AIM_IS_NO_LEAD = (
-    True  # off: who aims early at an arrival comes to its portal early, too, and then runs slowly
-)
+EARLY_AIM_IS_NO_LEAD = True  # off: who aims early at an arrival is early at its portal, and runs slowly
 FIRST_GOES_ON = True  # off: a first train may stay where the second is to come
 NOON_S: Final = 43_200
 WAITS_S: Final = 1_800  # a first train that had to come from elsewhere is there so long before its leg
