@@ -178,12 +178,12 @@ def _accept_claim(register: Register, heard: Heard[SignOn] | Heard[Claim], claim
     lost = not register.restoring and (bool(added) or unit.standing is not UnitStanding.REPORTED)
     if held and (lost or token == 0 or token > register.token_max):
         register, token = register.next_token()
-    standing = leaving.claimed_standing(register, heard.message, held)
+    standing = leaving.claimed_standing(register, heard, held)
     # A unit that has started again numbers its requests anew, so its old request cannot be repeated.
     correlation = unit.correlation if heard.epoch == unit.epoch else 0
     after = RegisteredUnit(standing, heard.epoch, token, unit.route_id, correlation)
     unproven = not held and (bool(shown) or unit.unproven)
-    to_give_back = isinstance(heard.message, Claim) and 0 < len(claimed) < len(held)
+    to_give_back = 0 < len(claimed) < len(held)
     needed = (lost or unit.claim_needed) and is_to_hear(heard, after)
     after = replace(after, unproven=unproven, silent=to_give_back, claim_needed=needed)
     after = replace(after, counted_out=leaving.counted_out(unit, heard))

@@ -81,15 +81,21 @@ def boundary_passed(register: Register, portal: str) -> Step:
     return register, (Show(Contradicted(unit_id=unit_id, section_ids=held, why=why)),)
 
 
-def claimed_standing(register: Register, message: SignOn | Claim, held: tuple[str, ...]) -> UnitStanding:
-    """Where a unit stands whose claim is accepted: one that has signed off goes on leaving, and is asked on.
+def claimed_standing(
+    register: Register, heard: Heard[SignOn] | Heard[Claim], held: tuple[str, ...]
+) -> UnitStanding:
+    """Where a unit stands whose claim is accepted: one that has signed off, as it says itself or as was accepted of
+    this boot, goes on leaving, and is asked on.
 
     Whatever persons have entered for it besides: it would report never again, and its last word is to free that too.
     """
     if not held:
         return UnitStanding.OUTSIDE
-    leaves = isinstance(message, LeavingClaim) and register.plan.portals.issuperset(message.section_ids or ())
-    return UnitStanding.LEAVING if leaves else UnitStanding.REPORTED
+    unit, message = register.unit(heard.unit_id), heard.message
+    accepted = unit.standing is UnitStanding.LEAVING and unit.epoch == heard.epoch
+    leaves = isinstance(message, LeavingClaim) or (accepted and isinstance(message, Claim))
+    in_portals = register.plan.portals.issuperset(message.section_ids or ())
+    return UnitStanding.LEAVING if leaves and in_portals else UnitStanding.REPORTED
 
 
 def counted_out(unit: RegisteredUnit, heard: Heard[SignOn] | Heard[Claim]) -> bool:

@@ -38,6 +38,7 @@ ONE_TRAIN = (
     Budgets(loss=1, delay=1, power=2),
     Budgets(loss=1, power=1, points=1),
     Budgets(loss=1, delay=1, power=1, word=1),
+    Budgets(loss=2, delay=2, power=2),
 )
 
 

@@ -376,6 +376,29 @@ def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_when_it_has_left(
     assert desk.register.holders == {}
 
 
+def test_what_a_person_said_of_one_that_leaves_is_free_when_it_has_left_though_it_did_not_know_that_it_may() -> (
+    None
+):
+    """Found by `branchline verify explore 2/2/2/0 --trains 1`: it claimed its portal before it heard that its sign-off
+    was accepted, counted as on the line again, and was heard of no more.
+    """
+    desk = Desk()
+    desk.register = start(CONFIG, 2, KEYS, frozenset({"u1"}))
+    desk.ask(0.0)
+    desk.now_s = 100.0
+    desk.act(ConfirmHolding("u1", ("E", "P9"), "Mori"))
+    desk.hear("u1", Claim(("P9",), 0))
+    desk.hear("u1", SignOff("u1", desk.register.unit("u1").token))
+    for word in (ConfirmOutside("u2", "Mori"), ConfirmOutside("u3", "Mori"), AcceptPicture("Mori")):
+        desk.act(word)
+    assert (desk.standing("u1"), desk.register.held_by("u1")) == (UnitStanding.LEAVING, ("E", "P9"))
+    answer = desk.hear("u1", Claim(("P9",), 1))
+    assert isinstance(answer, SignOnAccepted)
+    assert answer.section_ids == ("E", "P9")
+    desk.act(BoundaryPassed("P9"))
+    assert desk.register.holders == {}
+
+
 def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal() -> None:
     """Found by `branchline verify explore 0/0/0/1`: it disputes the portal, and nobody asks it once it has left."""
     desk = signed_off()

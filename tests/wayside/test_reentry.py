@@ -404,8 +404,13 @@ def test_inputs_that_make_no_sense_are_refused_and_counted(act: Act) -> None:
     assert desk.register.inputs == 1
 
 
-def test_what_persons_enter_beyond_a_units_claim_it_hears_of_until_it_has_given_it_back() -> None:
-    """It has no reason to report by itself: one that has finished kept the line closed to others for ever."""
+@pytest.mark.parametrize("claim", [Claim(("E",), 7), SignOn("u2", ("E",), 7)])
+def test_what_persons_enter_beyond_a_units_claim_it_hears_of_until_it_has_given_it_back(
+    claim: Claim | SignOn,
+) -> None:
+    """It has no reason to report by itself: one that has finished kept the line closed to others for ever. A sign-on
+    that is repeated, found by `branchline verify explore 2/2/2/0 --trains 1`: its answer was lost, and nobody asked.
+    """
     desk = Desk(ReentryMode.BY_HAND)
     desk.claim(*HELD)
     desk.enter({"D": "u2"})
@@ -413,7 +418,7 @@ def test_what_persons_enter_beyond_a_units_claim_it_hears_of_until_it_has_given_
     assert desk.register.held_by("u2") == ("D", "E")
     assert "u2" in desk.register.units_asked()
     for _ in range(2):  # the answer may be lost
-        told = desk.hear("u2", Claim(("E",), 7))
+        told = desk.hear("u2", claim)
         assert isinstance(told, SignOnAccepted)
         assert told.section_ids == ("D", "E")
         assert "u2" in desk.register.units_asked()
