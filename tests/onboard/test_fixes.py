@@ -143,6 +143,17 @@ def test_what_asks_for_something_ahead_goes_by_the_estimate(motion: UnitMotion, 
     assert motion.row.position_trigger_m == mission.tags[APPROACH + 1].position_m
 
 
+def test_an_estimate_that_nobody_believes_reaches_nothing(motion: UnitMotion, mission: Mission) -> None:
+    """Each step of a train that had lost its position was a stretch of its own: the day stood still."""
+    run_to(motion, mission.tags[APPROACH].position_m, 30.0)
+    lose(motion)
+    motion.obey(RUN, 1.0)
+    assert motion.row.position_trigger_m == math.inf
+    motion.row.position_known = 1
+    motion.obey(RUN, 2.0)
+    assert motion.row.position_trigger_m == mission.tags[APPROACH].position_m
+
+
 # bounds that are wrong ----------------------------------------------------------------------------------------------
 
 
