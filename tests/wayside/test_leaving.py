@@ -376,6 +376,13 @@ def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_when_it_has_left(
     assert desk.register.holders == {}
 
 
+def test_booted_since_it_signed_off_one_that_claims_its_portal_is_on_the_line_again() -> None:
+    """What was accepted of a boot it has forgotten."""
+    desk = signed_off()
+    claims(desk, "P9", epoch=2)
+    assert desk.standing("u1") is UnitStanding.REPORTED
+
+
 def test_what_a_person_said_of_one_that_leaves_is_free_when_it_has_left_though_it_did_not_know_that_it_may() -> (
     None
 ):
