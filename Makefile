@@ -26,9 +26,17 @@ demo: install
 wheel: install
 	$(BIN)/python -m documents.wheel
 
+# The interpreted slice beside the others: alone at their end it would leave a core idle.
+TESTS := test-compiled test-interpreted
+.PHONY: $(TESTS)
 test: install
+	$(MAKE) --no-print-directory -j 2 $(TESTS)
+
+test-compiled:
 	$(BIN)/python -m pytest -n 2 --dist loadfile
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(LAWS_SLICE)
+
+test-interpreted:
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -p no:cacheprovider $(LAWS_SLICE)
 
 # The report in Chromium, which is installed with the system's packages where it is missing; frames a second are printed.
 browser: install

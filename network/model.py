@@ -395,3 +395,7 @@ class Line:
     beacons: Mapping[int, Beacon] = field(default_factory=dict[int, Beacon])
     markers: Mapping[int, MarkerGroup] = field(default_factory=dict[int, MarkerGroup])
     crossings: Mapping[str, LevelCrossing] = field(default_factory=dict[str, LevelCrossing])
+
+    def __hash__(self) -> int:
+        """What was computed of a line last is kept by it."""
+        return hash(self.id)

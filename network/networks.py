@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 from network.model import Coverage, Line
 
@@ -24,6 +25,7 @@ def has_second(line: Line) -> bool:
     return any(alignment.of_networks for alignment in line.alignments.values())
 
 
+@lru_cache(maxsize=16)
 def with_first_alone(line: Line) -> Line:
     """The line for trains that have a radio of its first network alone."""
     if not has_second(line):

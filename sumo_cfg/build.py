@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
@@ -50,6 +51,10 @@ _FILES: Final[Mapping[str, str]] = MappingProxyType(
 _DIGEST_COMMENT: Final = re.compile(rb"<!-- branchline plain XML blake2b ([0-9a-f]{32}) -->")
 _COMMENT: Final = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
 _HEAD_BYTES: Final = 512
+NETS_KEPT: Final = 8
+_NETS: Final[
+    dict[str, bytes]
+] = {}  # those asked for last, by the digest of their plain XML, the latest at the end
 
 
 def build_net(line: Line) -> bytes:
@@ -96,14 +101,28 @@ def net_for(line: Line, cache_dir: Path, roads: Sequence[RoadAt] = ()) -> Path:
     With `roads` over its crossings it is never a shipped one; its track is the same.
     Raises InputError when the line differs from the shipped one and netconvert is not installed.
     """
-    plain = with_roads(write_plain(line), line, roads) if roads else write_plain(line)
+    plain = with_roads(_plain_of(line), line, roads) if roads else _plain_of(line)
     shipped = shipped_net(line.id)
     if shipped is not None and net_digest(shipped) == plain.digest:
         return shipped
     cached = cache_dir / f"{line.id}-{plain.digest}.net.xml"
     if not (cached.exists() and net_digest(cached) == plain.digest):
-        _write_aside(cached, convert(plain, line.id, cache_dir))
+        _write_aside(cached, _net_of(plain, line.id, cache_dir))
     return cached
+
+
+@lru_cache(maxsize=16)
+def _plain_of(line: Line) -> PlainXml:
+    return write_plain(line)
+
+
+def _net_of(plain: PlainXml, line_id: str, scratch: Path) -> bytes:
+    """As `convert`, once a process for the nets that are asked for again and again, where there is netconvert."""
+    _netconvert(line_id)
+    _NETS[plain.digest] = net = _NETS.pop(plain.digest, b"") or convert(plain, line_id, scratch)
+    if len(_NETS) > NETS_KEPT:
+        del _NETS[next(iter(_NETS))]
+    return net
 
 
 def net_digest(path: Path) -> str | None:

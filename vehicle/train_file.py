@@ -274,10 +274,11 @@ class TrainType:
 
 def shipped_train(name: str) -> Path:
     """Path of a train file that comes with the project; InputError names those there are."""
+    path = TRAINS_FOLDER / f"{name}.toml"
+    if Path(name).name == name and path.is_file():
+        return path
     names = sorted(file.stem for file in TRAINS_FOLDER.glob("*.toml"))
-    if name not in names:
-        raise InputError("vehicle/trains", "name", name, "one of " + ", ".join(names))
-    return TRAINS_FOLDER / f"{name}.toml"
+    raise InputError("vehicle/trains", "name", name, "one of " + ", ".join(names))
 
 
 def train_named(name: str) -> Path:

@@ -7,9 +7,11 @@ offset is not that of its points runs across from one track to the other.
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from network.errors import InputError
 from network.files import line_checks as check
@@ -18,7 +20,7 @@ from network.files.chargers import chargers_of
 from network.files.crossings import crossings_of
 from network.files.joints import Joiner, PieceDraft
 from network.files.line_schema import DIRECTIONS, LineFile
-from network.files.toml_input import one_of, parse_toml, read_text
+from network.files.toml_input import one_of, parse_table, parse_toml, read_text, validate
 from network.graph import TooManyRoutesError, all_routes
 from network.model import (
     Alignment,
@@ -52,12 +54,25 @@ LaidT = TypeVar("LaidT", bound=schema.OnTrackTable)
 
 def load_line(path: Path) -> Line:
     """Read and validate a line file. Raises InputError for the first thing that is wrong with it."""
-    return parse_line(read_text(path), str(path))
+    return line_of_tables(parse_table(read_text(path), str(path)), str(path))
 
 
 def parse_line(text: str, file: str) -> Line:
     """Parse and validate the text of a line file; `file` names it in errors. Raises InputError."""
     return line_of(parse_toml(text, file, LineFile), file)
+
+
+def line_of_tables(tables: Mapping[str, Any], file: str) -> Line:
+    """The line of the tables of a line file; `file` names it in errors. Raises InputError.
+
+    The same tables give the same object, by which it is known what was computed of a line before.
+    """
+    return _line_of_tables(pickle.dumps(tables), file)
+
+
+@lru_cache(maxsize=16)
+def _line_of_tables(tables: bytes, file: str) -> Line:
+    return line_of(validate(pickle.loads(tables), file, LineFile), file)
 
 
 def line_of(entry: LineFile, file: str) -> Line:

@@ -34,12 +34,12 @@ def find_file(folder: Path, what: str, name: str) -> Path:
 
     `what` says in the InputError what was looked for.
     """
+    given, shipped_file = Path(name), folder / f"{name}.toml"
+    if given.suffix != ".toml" and given.name == name and shipped_file.is_file():
+        return shipped_file
     shipped = tuple(sorted(path.stem for path in folder.glob("*.toml")))
-    given = Path(name)
     if given.suffix == ".toml":
         if existing_file(given):
             return given
         raise InputError(name, "", None, f"an existing file, or a shipped {what}: {one_of(shipped)}")
-    if name in shipped:
-        return folder / f"{name}.toml"
     raise InputError(name, "", None, f"a .toml file or a shipped {what}: {one_of(shipped, name)}")

@@ -24,7 +24,7 @@ from pydantic import Field
 from network.errors import InputError
 from network.files.edits import Change, Data, FilePatch, Patched, PatchInFile, differences, words_of
 from network.files.kinds import about
-from network.files.line_file import line_of
+from network.files.line_file import line_of_tables
 from network.files.line_schema import LineFile
 from network.files.quantities import PositionBound
 from network.files.toml_input import Record, one_of, parse_table, read_text, validate
@@ -73,12 +73,12 @@ def patched_line(path: Path, patches: Sequence[PatchInFile]) -> tuple[Line, Data
     """
     file = str(path)
     before = data = parse_table(read_text(path), file)
-    line = line_of(validate(data, file, LineFile), file)
+    line = line_of_tables(data, file)
     for asked in patches:
-        patched, entry = _patched(data, asked)
+        patched = _patched(data, asked)
         data = patched.data
         try:
-            line = line_of(entry, file)
+            line = line_of_tables(data, file)
         except InputError as error:
             raise patched.blame(error) from error
     return line, data, tuple(differences(path.name, before, data))
@@ -89,7 +89,7 @@ def load_patched_line(path: Path, patch: Mapping[str, Any], patch_file: str) -> 
     return patched_line(path, [PatchInFile(patch, patch_file, KEY)])[0]
 
 
-def _patched(data: Mapping[str, Any], asked: PatchInFile) -> tuple[Patched, LineFile]:
+def _patched(data: Mapping[str, Any], asked: PatchInFile) -> Patched:
     wanted, file = words_of(asked, LinePatch), asked.file
     entry = validate(data, file, LineFile)
     for i, track_id in enumerate(wanted.remove_tracks):
@@ -104,11 +104,11 @@ def _patched(data: Mapping[str, Any], asked: PatchInFile) -> tuple[Patched, Line
     patched = Patched(file, asked.key, "line", plain)
     patched.remove_all(wanted)
     patched.write_all(wanted)
-    entry = _validated(patched)
+    _validate(patched)
     for table, rows in wanted.add.items():
         for i, row in enumerate(rows):
             _add(patched, table, deepcopy(row), f"{asked.key}.add.{table}[{i}]")
-    return patched, _validated(patched) if wanted.add else entry
+    return patched
 
 
 def _without_tags(entry: LineFile, wanted: TagsOut, file: str, key: str) -> LineFile:
@@ -138,9 +138,9 @@ def _without_tags(entry: LineFile, wanted: TagsOut, file: str, key: str) -> Line
     return entry.model_copy(update={"tags": kept})
 
 
-def _validated(patched: Patched) -> LineFile:
+def _validate(patched: Patched) -> None:
     try:
-        return validate(patched.data, patched.file, LineFile)
+        validate(patched.data, patched.file, LineFile)
     except InputError as error:
         raise patched.blame(error) from error
 

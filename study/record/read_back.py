@@ -12,8 +12,7 @@ import polars as pl
 
 from network.errors import InputError
 from network.files.json_input import read_json
-from network.files.line_file import line_of
-from network.files.line_schema import LineFile
+from network.files.line_file import line_of_tables
 from network.files.text_input import existing_file
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import validate
@@ -91,7 +90,7 @@ def parsed_inputs(inputs: Inputs, file: str) -> tuple[Line, Timetable, dict[str,
     """Line, timetable, kind of train by stock id and settings of a run; `file` names its inputs in InputErrors."""
     kinds: dict[str, TrainType] = {}
     with _table_of(file, "line"):
-        line = line_of(validate(inputs.line, file, LineFile), file)
+        line = line_of_tables(inputs.line, file)
     with _table_of(file, "timetable"):
         timetable = timetable_of(validate(inputs.timetable, file, TimetableFile), file, line)
     with _table_of(file, "scenario"):

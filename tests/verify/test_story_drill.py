@@ -1,5 +1,6 @@
 """Stories of the exploration told on a running line, where SUMO and the judge find what the search found."""
 
+from functools import cache
 from pathlib import Path
 from shutil import copytree
 from typing import Final
@@ -30,8 +31,10 @@ FALLS_OUT: Final = (
 )
 
 
+@cache
 def found_with(name: str, budgets: Budgets, *, collisions_alone: bool) -> ExploredSpace:
-    return explored(ExploredLine(budgets=budgets), collisions_alone=collisions_alone)
+    with restored(name):
+        return explored(ExploredLine(budgets=budgets), collisions_alone=collisions_alone)
 
 
 @pytest.mark.parametrize(
@@ -41,8 +44,9 @@ def found_with(name: str, budgets: Budgets, *, collisions_alone: bool) -> Explor
 def test_a_former_defect_falls_out_on_the_line_and_not_of_the_machines_as_they_are(
     name: str, budgets: Budgets, collisions_alone: bool, breaks: str, tmp_path: Path
 ) -> None:
+    found = found_with(name, budgets, collisions_alone=collisions_alone)
     with restored(name):
-        told = told_on_line(found_with(name, budgets, collisions_alone=collisions_alone), tmp_path / "story")
+        told = told_on_line(found, tmp_path / "story")
     assert any(text.startswith(breaks) for text in told.broken), told.broken
     assert broken_by(told.drill) == ()
     assert all(v.passed for v in drill_on_plain(told.drill).verdicts)
@@ -50,8 +54,7 @@ def test_a_former_defect_falls_out_on_the_line_and_not_of_the_machines_as_they_a
 
 def test_what_the_line_does_not_break_is_no_drill(tmp_path: Path) -> None:
     """Of a defect that is not there when the line runs."""
-    with restored(COLLIDES[0]):
-        found = found_with(COLLIDES[0], COLLIDES[1], collisions_alone=False)
+    found = found_with(COLLIDES[0], COLLIDES[1], collisions_alone=False)
     with pytest.raises(UntoldError, match="the line breaks no rule"):
         told_on_line(found, tmp_path / "story")
     assert list(tmp_path.iterdir()) == []

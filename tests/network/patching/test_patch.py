@@ -29,7 +29,7 @@ def patched(toml: str) -> Line:
 
 
 def data_patched(data: dict[str, Any], patch: dict[str, Any]) -> dict[str, Any]:
-    return _patched(data, PatchInFile(patch, "f", KEY))[0].data
+    return _patched(data, PatchInFile(patch, "f", KEY)).data
 
 
 def test_an_empty_patch_is_the_line_itself() -> None:
@@ -38,6 +38,14 @@ def test_an_empty_patch_is_the_line_itself() -> None:
     assert data_patched(DATA, {}) == DATA
     data_patched(DATA, {"remove_tracks": ["A.2"], "set": {"line.max_speed_kmh": 50}})
     assert before == DATA
+
+
+def test_the_same_tables_are_the_same_line_and_others_are_not() -> None:
+    """By being the same object it is known what was computed of it."""
+    slow = "[set]\n'line.max_speed_kmh' = 50\n"
+    assert load_line(SAMPLE_FILE) is load_line(SAMPLE_FILE)
+    assert patched(slow) is patched(slow) is not patched("")
+    assert patched(slow) != patched("")
 
 
 def test_set_finds_its_place_by_id_name_or_index() -> None:
