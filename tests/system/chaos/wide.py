@@ -166,5 +166,5 @@ def _chargers(line: Line, draw: Draw) -> Rows:
 
 
 def _battery(draw: Draw) -> Row:
-    """Enough for an hour or two on open line."""
-    return {"start_share": draw.between(0.5, 1.0, 2), "heating_kw": draw.of("heating").between(0.0, 36.0, 0)}
+    """Enough to begin with; on a cold day a stand of an hour or two uses it up."""
+    return {"start_share": draw.between(0.75, 1.0, 2), "heating_kw": draw.of("heating").between(0.0, 24.0, 0)}
