@@ -65,6 +65,7 @@ _ON_THE_SPOT: Final = frozenset(
         ActKind.COMMISSION,
         ActKind.REPAIR_POINTS,
         ActKind.HAUL_AWAY,
+        ActKind.BRING_POWER,
         ActKind.GUARD_ROAD,
         ActKind.LEAVE_ROAD,
     }

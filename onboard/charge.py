@@ -3,6 +3,7 @@
 Whatever the rule, no set leaves with its pantograph up: that comes down by itself when it is due by its unit's clock.
 Where it leaves a charger, or begins a train, it wants a reserve beyond what it predicts; on its way from there, where
 waiting would help nobody, what it predicts is enough. It reckons with the charge it will have when it is to leave.
+While it stands without a charger it keeps that and a reserve: with less, what can wait of its auxiliaries is off.
 """
 
 from __future__ import annotations
@@ -45,8 +46,11 @@ class Gauge(Protocol):
         """Whether the pantograph is not down."""
         ...
 
-    def ask(self, needed_j: float, leaves_s: float) -> None:
-        """The set is to leave at a time of its unit's clock (+inf: not known, -inf: once it can), with so much."""
+    def ask(self, needed_j: float, leaves_s: float, keeps_j: float) -> None:
+        """The set is to leave at a time of its unit's clock (+inf: not known, -inf: once it can), with so much.
+
+        `keeps_j` is what its stand without a charger is to leave it.
+        """
         ...
 
 
@@ -116,10 +120,10 @@ class ChargeWatch:
         )
 
     def on_sight(self, mission: Mission, at: int) -> None:
-        """On sight at a stop its crew decides: nothing is asked for but that the pantograph be down when it is due."""
+        """On sight at a stop its crew decides: all that is asked for is a pantograph that is down when it is due."""
+        self._reckon(mission, at)
         self._asked = None
-        last = at + 1 >= len(mission.targets)
-        self._gauge.ask(0.0, math.inf if last else _leaves_s(mission, at))
+        self._gauge.ask(0.0, self._leaves_s, self._needed_j + self._rules.reserve_j)
 
     @property
     def connected(self) -> bool:
@@ -131,6 +135,11 @@ class ChargeWatch:
         if self._asked == (mission.number, at):
             return
         self._asked = mission.number, at
+        self._reckon(mission, at)
+        self._gauge.ask(self._needed_j, self._leaves_s, self._needed_j + self._rules.reserve_j)
+
+    def _reckon(self, mission: Mission, at: int) -> None:
+        """What the way from a stop takes, and when it is to begin."""
         ahead = self._ways.ahead(mission.number, at)
         last = at + 1 >= len(mission.targets)
         self._leaves_s = math.inf if last else _leaves_s(mission, at)
@@ -139,4 +148,3 @@ class ChargeWatch:
         if self._reach is not None and self._rules.waits:
             commits = commits_at(self._line, mission, at)
             self._needed_j = self._rules.needed_j(self._reach, commits=commits)
-        self._gauge.ask(self._needed_j, self._leaves_s)

@@ -186,6 +186,7 @@ ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.REENTER_BY_HAND: frozenset({"pace_s"}),
     ActKind.REENTER_ASSISTED: frozenset({"pace_s"}),
     ActKind.HAUL_AWAY: frozenset({"target"}),
+    ActKind.BRING_POWER: frozenset({"target"}),
     ActKind.FREE_ROAD: frozenset({"target"}),
     ActKind.GUARD_ROAD: frozenset({"target"}),
     ActKind.LEAVE_ROAD: frozenset({"target"}),
@@ -200,6 +201,13 @@ ACT_KEYS: Final[Mapping[ActKind, frozenset[str]]] = {
     ActKind.DO_STEP: frozenset({"target", "step", "block", "train"}),
     ActKind.LEAVE_OUT_STEP: frozenset({"target", "step", "block", "train"}),
 }
+
+
+def _lacking(kind: ActKind, names: Names) -> str:
+    """The table of the scenario that an act of this kind needs, where there is none."""
+    if kind in BY_ROLE and not names.posts:
+        return "[substitute]"
+    return "[battery]" if kind is ActKind.BRING_POWER and not names.on_battery else ""
 
 
 def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
@@ -219,6 +227,7 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.REPAIR_POINTS: names.points,
         ActKind.ENTER_SECTION: ("", *names.units),
         ActKind.HAUL_AWAY: names.units,
+        ActKind.BRING_POWER: names.on_battery,
         **dict.fromkeys(AT_CROSSING, names.crossings),
         ActKind.GIVE_BACK: names.units,
         ActKind.HOLD_TRAIN: names.units,
@@ -228,8 +237,8 @@ def act_of(file: str, key: str, table: ActTable, names: Names) -> Act:
         ActKind.DRIVE_BY_ATO: names.units,
         **dict.fromkeys(BY_ROLE, names.posts),
     }
-    if kind in BY_ROLE and not names.posts:
-        raise InputError(file, f"{key}.kind", table.kind, "no such act without [substitute]")
+    if table_of := _lacking(kind, names):
+        raise InputError(file, f"{key}.kind", table.kind, f"no such act without {table_of}")
     _check_keys(file, key, table, _ACT | ACT_KEYS[kind], kind.value)
     known = targets.get(kind)
     if known is not None and table.target not in known:

@@ -101,6 +101,22 @@ class BatterySettings(Record):
             "assumed: a tenth",
         ),
     ] = 0.1
+    shed_to_kw: Annotated[
+        HeatingKw,
+        about(
+            "auxiliaries that stay on in a set that stands without a charger and has no more than its reserve above"
+            ' what it needs to leave; the reserve alone with departure = "leave"',
+            "assumed: lights, radio, doors and the air of the brakes of two cars; that heating and cooling can wait:"
+            " FRA, Feasibility of Load-Shedding (2021)",
+        ),
+    ] = 5.0
+    brought_kw: Annotated[
+        BatteryPowerKw,
+        about(
+            "power of the generator that staff bring to a set without charge (bring_power)",
+            "assumed: what a lorry carries",
+        ),
+    ] = 60.0
     heating_kw: Annotated[
         HeatingKw, about("auxiliaries beyond those of the train file: a cold day", "assumed: a mild day")
     ] = 0.0

@@ -75,7 +75,7 @@ class Duties:
 
     def __init__(self, world: World, cabs: Cabs, checkers: Checkers) -> None:
         self._setup, self._charging = world.setup, world.charging
-        self._duties = dict(world.drawn)  # as orders have changed them
+        self.of_stock = dict(world.drawn)  # as orders have changed them
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
         self._books, self._agenda, self._journal = world.books, world.agenda, world.journal
         self._cabs, self._checkers = cabs, checkers
@@ -94,7 +94,7 @@ class Duties:
     def open(self, step: int) -> None:
         """The controller says which stock is outside; stock stabled on the line is put there."""
         for slot, stock_id in enumerate(self._trains.stock_ids):
-            duties = self._duties[stock_id]
+            duties = self.of_stock[stock_id]
             if stabled_at_start(duties):
                 self._agenda.put(step, AgendaKind.DUTY, stock_id)
                 continue
@@ -182,7 +182,7 @@ class Duties:
         on_line = self._stage[slot] is StockStage.ON_LINE
         if self._is_yet_to_finish(slot):
             return
-        duty = self._duties[stock_id][self._next[stock_id]]
+        duty = self.of_stock[stock_id][self._next[stock_id]]
         turns = on_line and duty.mission.direction is not self._trains.direction(slot)
         if turns and not self._trains.can_turn(slot, duty):
             raise WrongEnd
@@ -314,7 +314,7 @@ class Duties:
     def _go_by(self, slot: int, ordered: WayOrdered, step: int) -> None:
         """The driver takes up another way of the same train, and from another track that of the next one, if any."""
         stock_id, line = self._trains.stock_ids[slot], self._setup.believed_line
-        at, duties = self._next[stock_id] - 1, self._duties[stock_id]
+        at, duties = self._next[stock_id] - 1, self.of_stock[stock_id]
         length_m = self._setup.lengths_m[stock_id]
         old, rest = duties[at], duties[at + 1 :]
         try:
@@ -325,7 +325,7 @@ class Duties:
         except NoWay:
             self._cabs.tell(slot, step, (NoSuchWay(),))
             return
-        self._duties[stock_id] = (*duties[:at], duty, *rest)
+        self.of_stock[stock_id] = (*duties[:at], duty, *rest)
         if self._trains.truths[slot].active:  # else it has yet to come in
             self._trains.go_by(slot, duty)
             self._books.follow(slot, duty, step)
@@ -336,7 +336,7 @@ class Duties:
     def _end_train(self, slot: int, ordered: TrainEndsHere, step: int) -> None:
         """The driver ends the train where it stands; trains up to the one ordered are left out, which begins there."""
         stock_id, line = self._trains.stock_ids[slot], self._setup.believed_line
-        at, duties = self._next[stock_id] - 1, self._duties[stock_id]
+        at, duties = self._next[stock_id] - 1, self.of_stock[stock_id]
         target, length_m = self._books.next_target(slot) - 1, self._setup.lengths_m[stock_id]
         old = duties[at]
         here = old.mission.targets[target]
@@ -351,7 +351,7 @@ class Duties:
         except NoWay:
             self._cabs.tell(slot, step, (NoSuchWay(),))
             return
-        self._duties[stock_id] = (*duties[:at], ended, begun, *duties[to + 1 :])
+        self.of_stock[stock_id] = (*duties[:at], ended, begun, *duties[to + 1 :])
         self._cancel(slot, step, (old, ended), duties[at + 1 : to], (duties[to], begun))
         self._trains.go_by(slot, ended)
         self._books.follow(slot, ended, step)
@@ -411,7 +411,7 @@ class Duties:
     def _present(self, slot: int) -> Duty:
         """The stock's duty, which it has or waits outside for."""
         stock_id = self._trains.stock_ids[slot]
-        return self._duties[stock_id][self._next[stock_id] - 1]
+        return self.of_stock[stock_id][self._next[stock_id] - 1]
 
     def _begin(self, slot: int, duty: Duty, step: int) -> None:
         self._trains.begin_leg(slot, max(duty.enter_s, step / STEPS_PER_S))
@@ -494,7 +494,7 @@ class Duties:
         for portal in portals:
             self._wayside.input(step, MANAGER_ID, BoundaryPassed(portal))
         free_step = self._cabs.off_the_line(slot, step)
-        following = self._duties[stock_id][self._next[stock_id] :]
+        following = self.of_stock[stock_id][self._next[stock_id] :]
         self._stage[slot] = StockStage.OUTSIDE if following else StockStage.DONE
         for duty in following[:1]:
             self._agenda.put(max(round(duty.comes_s / STEP_S), free_step), AgendaKind.DUTY, stock_id)

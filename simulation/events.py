@@ -272,6 +272,21 @@ class CutIn(Noted, frozen=True, kw_only=True, tag="cut_in"):
     unit_id: str
 
 
+class BatteryLevel(Enum):
+    """What a set has in its battery: `low`, what can wait of its auxiliaries is off; `empty`, it cannot move."""
+
+    ENOUGH = "enough"
+    LOW = "low"
+    EMPTY = "empty"
+
+
+class BatteryAt(Noted, frozen=True, kw_only=True, tag="battery"):
+    """The battery of a set has come to another level; every set begins with enough."""
+
+    unit_id: str
+    level: BatteryLevel
+
+
 class UnitRestrains(Noted, frozen=True, kw_only=True, tag="unit_restrains"):
     """A driver was told to go, and the unit, which is not cut out and has no authority, does not let the train move."""
 
@@ -410,6 +425,7 @@ WorldEvent = (
     | Collision
     | CutOut
     | CutIn
+    | BatteryAt
     | UnitRestrains
     | SignalShows
     | SignalPassed

@@ -75,7 +75,7 @@ class Injector:
         self._step = 0  # the present one
         self._seed, self._in_force = world.setup.seed, world.in_force
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
-        self._journal, self._agenda = world.journal, world.agenda
+        self._journal, self._agenda, self._charging = world.journal, world.agenda, world.charging
         self._cabs, self._duties = cabs, duties
         self._effects = Effects(world, cabs, duties, platforms)
         self._record = ServiceRecord(world.wayside.points_of)
@@ -244,8 +244,8 @@ class Injector:
             case ActKind.REPAIR_POINTS:
                 self._end_all(PointsFault.changes, act.target)
                 self._wayside.repair(self._step, act.target, Position(act.position))
-            case ActKind.HAUL_AWAY:
-                self._duties.haul_away(self._trains.slot_of[act.target], self._step)
+            case ActKind.HAUL_AWAY | ActKind.BRING_POWER:
+                self._help_out(act.kind, self._trains.slot_of[act.target])
             case ActKind.GIVE_BACK:
                 self._cabs.set_back(self._trains.slot_of[act.target], self._step, act.hold_s)
             case ActKind.DRIVE | ActKind.DRIVE_BY_ATO:
@@ -264,6 +264,13 @@ class Injector:
                 self._reenter(act)
             case _:
                 self._wayside.input(self._step, MANAGER_ID, _word_on_unit(act))
+
+    def _help_out(self, kind: ActKind, slot: int) -> None:
+        """Staff haul a train away, or bring it power."""
+        if kind is ActKind.HAUL_AWAY:
+            self._duties.haul_away(slot, self._step)
+        elif self._charging is not None:
+            self._charging.bring_power(slot)
 
     def _act_at_crossing(self, act: Act) -> None:
         if act.kind is ActKind.FREE_ROAD:

@@ -23,7 +23,7 @@ from simulation.carriers.carrier import Truth
 from simulation.carriers.road import CarrierOf, Road
 from simulation.carriers.road_shown import ObstacleDetectors
 from simulation.duties import Duties, WrongEnd
-from simulation.events import WORLD, Collision, Danger, TagPassed, Unsafe
+from simulation.events import WORLD, BatteryAt, Collision, Danger, TagPassed, Unsafe
 from simulation.facts import checkers_of
 from simulation.faults.script import Act, Script, ScriptedFault
 from simulation.foreseen import ForeseenStretch, Stretches, TrainMotion
@@ -336,7 +336,7 @@ class Simulation:
         if not hit:
             hit = self._carry(columns, carried, done)
         self._step += hit or done
-        if moving and not (self._charging is not None and self._charging.stranded(moving)):
+        if moving if self._charging is None else self._charging.goes_on(moving):
             self._moved_step = self._step
         if hit and self._carrier.collisions():
             # The kernel may have run on beyond it, so its sums are no measure any more.
@@ -368,7 +368,12 @@ class Simulation:
         return min(self.horizon_step, watched_step) if self._cabs.watch_out() else self.horizon_step
 
     def _look_at_pantographs(self, charging: Charging) -> None:
-        """Who moved with it up; who is on sight at a stop and held until it is down has no timer to look again."""
+        """Who moved with it up; who is on sight at a stop and held until it is down has no timer to look again; whose
+        battery is low.
+        """
+        for slot, level in charging.levels():
+            low = BatteryAt(unit_id=self.trains.stock_ids[slot], level=level)
+            self.journal.write(self.now_s, WORLD, low)
         for slot in charging.moved_connected():
             self._unsafe(slot, Danger.PANTOGRAPH_UP)
         for slot in charging.look(self._step):

@@ -26,6 +26,7 @@ def names_in(setup: Setup, people: tuple[str, ...] = ()) -> Names:
         cable=stretches_of(line),
         networks=setup.networks,
         chargers=() if setup.battery is None else tuple(line.chargers),
+        on_battery=tuple(s for s, kind in setup.trains.items() if setup.battery and kind.battery is not None),
         tags=tuple(map(str, line.tags)),
         markers=tuple(map(str, line.markers)),
         points=tuple(line.points),

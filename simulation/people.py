@@ -171,7 +171,8 @@ class People(Record):
     reach_s: Annotated[
         PersonTime,
         about(
-            "mean time until staff have come to a station that has none, for substitute working",
+            "mean time until staff have come to a station that has none, for substitute working, and with react to a"
+            " set that stands without charge",
             "assumed: by road along a branch line of 20 km",
         ),
     ] = 1500.0

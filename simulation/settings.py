@@ -382,7 +382,10 @@ class Dispatch(Record):
     ] = 60.0
     cut_gain_min: Annotated[
         DelayMin,
-        about("train-minutes that cutting trains must save beyond that, at least", "assumed: 10 min"),
+        about(
+            "train-minutes that cutting trains must save beyond that, at least; 0: anything, but more than nothing",
+            "assumed: 10 min",
+        ),
     ] = 10.0
     given: Annotated[
         tuple[str, ...],

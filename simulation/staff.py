@@ -7,8 +7,8 @@ the way, or to where the crew of one needs them that has stopped short of the bl
 so, and unbar it, again where that did not get through; see to the picture of the line until it is accepted; say, two of
 them, at a level crossing whose road is closed that no train comes there; guard one that is out of order; and for a unit
 whose word the manager waits for, or does not hear, two of them say where its train truly stands and what it shows that
-it holds, with what their word cannot free. They act through the injector's door, so that what they did can be written
-down as acts of a drill.
+it holds, with what their word cannot free; bring a generator to a set without the charge to go on. They act through the
+injector's door, so that what they did can be written down as acts of a drill.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Staff:
         self.acts: list[Act] = []
         self._setup, self._injector = world.setup, injector
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
-        self._pauses: Final = Pauses(world.setup)
+        self._charging, self._pauses = world.charging, Pauses(world.setup)
         self._next_look: float = -inf
         self._word_from_s = -inf  # before, what was granted may be on the air, and nobody's word is taken
         self._from_s: dict[tuple[Pause, str], float] = {}  # when people act on what they have seen
@@ -196,6 +196,7 @@ class Staff:
             return
         self._next_look = step + LOOKS_EVERY_STEPS
         self._see_to_power(t_s)
+        self._see_to_batteries(t_s)
         for points_id in self._wayside.machines:
             self._see_to_points(t_s, points_id)
         self._see_to_bars(t_s)
@@ -277,6 +278,15 @@ class Staff:
                     or party_id in self._wayside.uncommissioned
                 )
                 self._act(t_s, ActKind.COMMISSION if blank else ActKind.POWER_ON, party_id, STAFF)
+
+    def _see_to_batteries(self, t_s: float) -> None:
+        """Bring a generator to a set that stands where nothing charges it, without the charge to go on."""
+        for slot in () if self._charging is None else self._trains.active():
+            unit_id = self._trains.stock_ids[slot]
+            if self._charging is None or not self._charging.helpless(slot):
+                self._from_s.pop((Pause.REACH, unit_id), None)
+            elif self._ripe(Pause.REACH, unit_id, t_s):
+                self._act(t_s, ActKind.BRING_POWER, unit_id, STAFF)
 
     def _see_to_roads(self, t_s: float) -> None:
         """Two persons say at a level crossing that no train comes, where that is so and its road is closed."""

@@ -133,9 +133,14 @@ def _best(register: Register, days: Days, stands: Stands, index: int) -> _Weighe
     best = min(found, key=lambda one: one.with_it_s, default=None)
     if best is None or not WEIGHED:
         return best
-    if best.with_it_s > best.without_s - days.cuts.gain_s:
+    if not _saves(best.with_it_s, best.without_s, days.cuts.gain_s):
         return None
     return _solved(register, days, stands, index, best) if days.order is OrderRule.OPTIMAL else best
+
+
+def _saves(with_it_s: float, without_s: float, gain_s: float) -> bool:
+    """Whether a cut saves what it must, and more than nothing."""
+    return with_it_s < without_s and with_it_s <= without_s - gain_s
 
 
 def _stated_s(register: Register, days: Days, index: int, place: int, trains: Sequence[str]) -> float:
@@ -157,7 +162,7 @@ def _solved(register: Register, days: Days, stands: Stands, index: int, found: _
     if without.lacking or with_it.lacking:
         return found
     with_it_s = with_it.delay_s + ceil(_stated_s(register, days, index, stands.at[index], found.trains))
-    if with_it_s > without.bound_s - days.cuts.gain_s:  # even if there were a better order without it
+    if not _saves(with_it_s, without.bound_s, days.cuts.gain_s):  # there may be a better order without it
         return None
     return replace(found, with_it_s=float(with_it_s), without_s=float(without.delay_s))
 

@@ -4,7 +4,7 @@ import { element } from "./tables.js";
 const ACT_FIELDS = {
   confirm_outside: ["unit", "place"], confirm_holding: ["unit", "sections"], take_back: ["unit"], accept_picture: ["pace"],
   power_on: ["party"], commission: ["party"], repair_points: ["points", "position"], enter_section: ["unit?", "sections"],
-  reenter_by_hand: ["pace"], reenter_assisted: ["pace"], bar_unit: ["unit"], unbar_unit: ["unit"], haul_away: ["unit"], free_road: ["crossing"], guard_road: ["crossing"], leave_road: ["crossing"], give_back: ["unit", "hold"],
+  reenter_by_hand: ["pace"], reenter_assisted: ["pace"], bar_unit: ["unit"], unbar_unit: ["unit"], haul_away: ["unit"], bring_power: ["unit"], free_road: ["crossing"], guard_road: ["crossing"], leave_road: ["crossing"], give_back: ["unit", "hold"],
   hold_train: ["unit", "hold", "behind", "over"], let_go: ["unit"], end_train: ["unit", "train"], drive: ["unit", "notch"], drive_by_ato: ["unit"],
   take_role: ["role"], hand_back_role: ["role"], do_step: ["role", "step", "block", "train?"], leave_out_step: ["role", "step", "block", "train?"],
 };

@@ -44,6 +44,7 @@ class Names:
     levers: tuple[str, ...] = ()  # direction levers
     crossings: tuple[str, ...] = ()  # level crossings that have a device
     chargers: tuple[str, ...] = ()  # stations that have one, where sets run on batteries
+    on_battery: tuple[str, ...] = ()  # units of these sets
     networks: tuple[str, ...] = ("first",)  # that trains have a radio of
     # With substitute working: by post and section or station, the steps that are that post's there.
     steps: Mapping[tuple[str, str], tuple[str, ...]] = field(

@@ -45,6 +45,7 @@ class ActKind(Enum):
     BAR_UNIT = "bar_unit"
     UNBAR_UNIT = "unbar_unit"
     HAUL_AWAY = "haul_away"
+    BRING_POWER = "bring_power"
     FREE_ROAD = "free_road"
     GUARD_ROAD = "guard_road"
     LEAVE_ROAD = "leave_road"
@@ -74,6 +75,7 @@ ACT_MEANINGS: Final[Mapping[ActKind, str]] = {
     ActKind.BAR_UNIT: "controller or staff: nothing that this unit says is to count",
     ActKind.UNBAR_UNIT: "controller or staff: what this unit says is to count again",
     ActKind.HAUL_AWAY: "staff: haul a train without power off the line, out of the portal where it stands",
+    ActKind.BRING_POWER: "staff: bring a generator to a set that stands without charge, until it has what it needs",
     ActKind.FREE_ROAD: "controller or staff: no train comes to this level crossing, and none is on it",
     ActKind.GUARD_ROAD: "staff: guard this level crossing, and stop its road by hand for trains that stand before it",
     ActKind.LEAVE_ROAD: "staff: guard this level crossing no longer",

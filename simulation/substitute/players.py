@@ -20,7 +20,7 @@ from simulation.procedure import ActingRole, Part, ProcedureRow, Regime, Working
 from simulation.setup import STEPS_PER_S
 from simulation.substitute.by_hand import HandDriver
 from simulation.substitute.doing import StepsDone
-from simulation.substitute.hops import Hop, hops_of
+from simulation.substitute.hops import Hop
 from simulation.substitute.persons import PersonsAtPosts
 from simulation.substitute.sight import LineSight
 from simulation.substitute.work import Work, works_of
@@ -54,7 +54,7 @@ class SubstitutePlayers:
         self.sight: Final = LineSight(world, duties, self.drivers)
         self._steps: Final = StepsDone(world, settings, self.drivers, self.sight)
         self.persons: Final = PersonsAtPosts(world, self.sight, self._steps)
-        self._hops: Final = hops_of(world.drawn)
+        self._hops: tuple[Hop, ...] = ()  # by which the books are
         self.works: list[Work] = []
         self._cut_in_steps: dict[int, int] = {}
 
@@ -76,6 +76,7 @@ class SubstitutePlayers:
             self._begin_works()
         if not self.works:
             return
+        self._follow_orders()
         self.drivers.look(step)
         self.persons.look(step)
         for work in self.works:
@@ -88,11 +89,26 @@ class SubstitutePlayers:
     def _begin_works(self) -> None:
         """The block manager is off: all is to be worked, also what had been ended before it failed again."""
         if not self.works:
+            self._hops = self.sight.hops
             self.works = works_of(self._hops, self._settings)
             self._steps.begin()
         elif any(work.over for work in self.works) and not all(work.over for work in self.works):
             anew = {work.name: work for work in works_of(self._hops, self._settings)}
             self.works = [anew[work.name] if work.over else work for work in self.works]
+
+    def _follow_orders(self) -> None:
+        """What trains were ordered before the manager failed, and do only now, changes their ways; one that has been
+        got ready for another way is taken up anew.
+        """
+        if self.sight.hops is self._hops:
+            return
+        self._hops = self.sight.hops
+        anew = {work.name: work.hops for work in works_of(self._hops, self._settings)}
+        for work in self.works:
+            work.hops = anew.get(work.name, [])
+            if work.book.hop not in (None, *work.hops) and WorkingStep.GO not in work.book.steps:
+                work.row = None
+                work.book = work.book.train_over(work.rows)
 
     def is_ending(self, work: Work) -> bool:
         """Whether the ordinary working is to come back: the block manager is there, or a person has said so."""

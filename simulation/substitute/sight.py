@@ -13,6 +13,7 @@ from simulation.setup import STEPS_PER_S
 from simulation.substitute.by_hand import HandDriver
 from simulation.substitute.hops import Hop, hops_of
 from simulation.substitute.work import Work
+from simulation.world.roster import Duty
 from simulation.world.stage import World
 from wayside.config import MANAGER_ID
 
@@ -35,7 +36,16 @@ class LineSight:
         self._setup = world.setup
         self._trains, self._on_board, self._wayside = world.trains, world.on_board, world.wayside
         self._duties, self._drivers = duties, drivers
-        self._hops: Final = hops_of(world.drawn)
+        self._ways_of: tuple[tuple[Duty, ...], ...] = ()
+        self._ways: tuple[Hop, ...] = ()
+
+    @property
+    def hops(self) -> tuple[Hop, ...]:
+        """All ways of the day, as orders have changed them: another track, a train ended early."""
+        duties = self._duties.of_stock
+        if (now := tuple(duties.values())) != self._ways_of:
+            self._ways_of, self._ways = now, hops_of(duties)
+        return self._ways
 
     def lets(self, work: Work, row: ProcedureRow, hop: Hop | None, step: int) -> bool:
         """Whether the world lets a step be done as its table has it: what the step waits for has come."""
@@ -123,7 +133,7 @@ class LineSight:
             return False
         return self._are_free(section_ids, hop.stock_id) and all(
             self.is_over(other)
-            for other in self._hops
+            for other in self.hops
             if other.stock_id != hop.stock_id
             and other.work != hop.work
             and other.section_ids[-1] in wanted

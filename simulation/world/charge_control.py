@@ -4,6 +4,10 @@ Before a step the battery says what it gives and takes; after it, it is charged 
 The pantograph is raised where a set stands at a charger long enough, or has too little to leave, and is down again
 when the set is to leave by its unit's clock, but not before its battery has what the set's unit asks for. A set that
 moves with its pantograph up draws nothing more by it and lowers it, and that is counted.
+
+A set that stands and draws on its battery keeps what its unit asks for and a reserve: below that it switches off what
+can wait of its auxiliaries (負荷制限), so that a long stand leaves it enough to go on. Where that has not sufficed
+staff bring a generator; a set moves no wheel while that is connected.
 """
 
 from __future__ import annotations
@@ -28,6 +32,7 @@ MOVED: Final = 1
 TOLD: Final = 2
 
 WORTH_S: Final = 30.0  # assumed: nobody raises a pantograph for less charging than this
+SHEDS_S: Final = 60.0  # assumed: nothing is switched off at a stop of the timetable
 FULL_SHARE: Final = 0.999
 READY_S: Final = 1.0  # it is down this long before the set leaves
 
@@ -46,6 +51,14 @@ class ChargingRow(Protocol):
     pantograph: Annotated[int, "DOWN, RISING, UP, FALLING"]
     moves_until_s: Annotated[float, "when it is up, or down"]
     moved: Annotated[int, "with the pantograph not down: NOT_MOVED, MOVED, TOLD"]
+    keeps_j: Annotated[
+        float, "what its stand is to leave in the battery, as it goes on less what it takes to run"
+    ]
+    reserve_j: Annotated[float, "the least of that"]
+    keeps_w: Annotated[float, "auxiliaries that stay on with less than that"]
+    brought_w: Annotated[float, "what a generator that staff have brought gives; 0: there is none"]
+    stood_s: Annotated[float, "how long it has stood"]
+    sheds: Annotated[int, "1: what can wait is switched off"]
 
 
 CHARGING: Final = dtype_of(ChargingRow)
@@ -55,7 +68,10 @@ CHARGING: Final = dtype_of(ChargingRow)
 def reset_charging(battery: BatteryRow, charging: ChargingRow) -> None:
     """A set that begins its day: nothing connected, nothing asked for."""
     charging.leaves_s = math.inf
-    charging.needed_j = charging.spare_j = 0.0
+    charging.needed_j = charging.spare_j = charging.keeps_j = charging.reserve_j = charging.brought_w = 0.0
+    charging.keeps_w = math.inf
+    charging.stood_s = 0.0
+    charging.sheds = 0
     charging.pantograph = DOWN
     charging.moved = NOT_MOVED
     battery.supply_w = 0.0
@@ -88,7 +104,7 @@ def steer(
     """
     state = charging.pantograph
     if speed_mps > 0.0:
-        charging.power_w = 0.0
+        charging.power_w = charging.brought_w = 0.0
         if state != DOWN and charging.moved == NOT_MOVED:
             charging.moved = MOVED
         if state == RISING:
@@ -109,25 +125,47 @@ def steer(
     elif state == FALLING and now_s >= charging.moves_until_s:
         state = DOWN
     charging.pantograph = state
-    battery.supply_w = charging.power_w if state == UP else 0.0
+    if charging.brought_w > 0.0 and (
+        is_full(battery) or available_j(battery) >= charging.keeps_j + charging.spare_j
+    ):
+        charging.brought_w = 0.0
+    battery.supply_w = charging.power_w if state == UP else charging.brought_w
 
 
 @compiled_when_called
-def offer_power(battery: BatteryRow, plant: PlantRow, dt_s: float) -> None:
+def offer_power(battery: BatteryRow, charging: ChargingRow, plant: PlantRow, dt_s: float) -> None:
     """Say what the battery, and a charger beside it, can give and take in the step that follows."""
     plant.source_gives_w = gives_max_w(battery, dt_s) + battery.supply_w
+    if charging.brought_w > 0.0:
+        plant.source_gives_w = 0.0  # nothing for its motors
     plant.source_takes_w = takes_max_w(battery, battery.pack.regeneration_max_w, dt_s)
 
 
 @compiled_when_called
 def drain(
     battery: BatteryRow,
+    charging: ChargingRow,
     plant: PlantRow,
     train: TrainRow,
     traction_j: float,
     regenerated_j: float,
     dt_s: float,
 ) -> None:
-    """Charge or discharge by what the plant drew since its counters stood at these, J."""
+    """Charge or discharge by what the plant drew since its counters stood at these, J, less what is shed."""
+    returned_w = (plant.energy_regenerated_j - regenerated_j) / dt_s
     drawn_w = (plant.energy_traction_j - traction_j) / dt_s + train.auxiliary_power_w
-    carry(battery, drawn_w, (plant.energy_regenerated_j - regenerated_j) / dt_s, dt_s)
+    if plant.speed_mps > 0.0:
+        charging.keeps_j = max(charging.keeps_j - (drawn_w - returned_w) * dt_s, charging.reserve_j)
+        charging.stood_s = 0.0
+        charging.sheds = 0
+    else:
+        charging.stood_s += dt_s
+        if charging.power_w > 0.0 or charging.stood_s < SHEDS_S:
+            charging.sheds = 0
+        else:
+            charging.sheds = 1 if charging.brought_w > 0.0 or available_j(battery) < charging.keeps_j else 0
+    if charging.sheds != 0:
+        shed_w = max(train.auxiliary_power_w - charging.keeps_w, 0.0)
+        plant.energy_auxiliary_j -= shed_w * dt_s
+        drawn_w -= shed_w
+    carry(battery, drawn_w, returned_w, dt_s)

@@ -18,6 +18,7 @@ from network.model import Charger
 from onboard.charge import ChargeRules, ChargeWatch
 from onboard.reach import charger_at
 from simulation.battery_settings import BatterySettings, Beyond, Departure
+from simulation.events import BatteryLevel
 from simulation.result import BatteryEvent, BatteryRecord
 from simulation.setup import STEP_S, STEPS_PER_S, Setup
 from simulation.world.books import Books
@@ -63,8 +64,8 @@ class BatteryGauge:
 
     @property
     def charges(self) -> bool:
-        """Whether the set stands at a charger that works."""
-        return self._control.power_w > 0.0
+        """Whether the set stands at a charger that works, or has been brought a generator."""
+        return self._control.power_w > 0.0 or self._control.brought_w > 0.0
 
     @property
     def full(self) -> bool:
@@ -73,13 +74,13 @@ class BatteryGauge:
 
     @property
     def up(self) -> bool:
-        """Whether the pantograph is up."""
-        return bool(self._control.pantograph == UP)
+        """Whether the pantograph is up, or the generator's cable is in."""
+        return bool(self._control.pantograph == UP) or self._control.brought_w > 0.0
 
     @property
     def connected(self) -> bool:
-        """Whether the pantograph is not down."""
-        return self._control.pantograph != DOWN
+        """Whether the pantograph is not down, or the generator's cable is in."""
+        return self._control.pantograph != DOWN or self._control.brought_w > 0.0
 
     def has_j(self, at_s: float) -> float:
         """What will be available at a time, J."""
@@ -90,9 +91,10 @@ class BatteryGauge:
         stand(later, self._auxiliary_w, self._control.power_w, until_s - self.now_s, BEYOND_STEP_S)
         return float(available_j(later))
 
-    def ask(self, needed_j: float, leaves_s: float) -> None:
+    def ask(self, needed_j: float, leaves_s: float, keeps_j: float) -> None:
         """The set is to leave at a time, with so much."""
         self._control.needed_j, self._control.leaves_s = needed_j, leaves_s
+        self._control.keeps_j = keeps_j
         self._control.spare_j = self._auxiliary_w * SPARE_S if needed_j > 0.0 else 0.0
 
 
@@ -121,6 +123,7 @@ class Charging:
         self._dead: set[str] = set()
         self._off: dict[int, _Off] = {}
         self._pantograph = [DOWN] * len(self._batteries)
+        self._level = [BatteryLevel.ENOUGH] * len(self._batteries)
         self._gauges: dict[int, BatteryGauge] = {}
         self._watches: dict[int, ChargeWatch] = {}
         self._sampled_s = [-math.inf] * len(self._batteries)
@@ -145,7 +148,10 @@ class Charging:
             settings.reserve_share * float(window_j(row)),
             settings.prediction_share,
         )
-        gauge = self._gauges[slot] = BatteryGauge(row, self._control[slot], auxiliary_w)
+        control = self._control[slot]
+        control.keeps_j = control.reserve_j = rules.reserve_j
+        control.keeps_w = settings.shed_to_kw * 1e3
+        gauge = self._gauges[slot] = BatteryGauge(row, control, auxiliary_w)
         self._watches[slot] = ChargeWatch(self._setup.believed_line, self._ways[stock_id], rules, gauge)
 
     def has_battery(self, slot: int) -> bool:
@@ -195,9 +201,35 @@ class Charging:
         """Whether a battery has nothing left above its window."""
         return self.has_battery(slot) and available_j(self._rows[slot]) <= 0.0
 
-    def stranded(self, slots: Sequence[int]) -> bool:
-        """Whether all of these stand with an empty battery, whatever their units ask of the motors."""
-        return all(self.empty(slot) and self._trains.plants[slot].speed_mps == 0.0 for slot in slots)
+    def goes_on(self, slots: Sequence[int]) -> bool:
+        """Whether one of these does not stand with an empty battery, whatever their units ask of the motors, or a
+        generator charges one.
+        """
+        stranded = all(self.empty(slot) and self._trains.plants[slot].speed_mps == 0.0 for slot in slots)
+        return not stranded or any(self._control[slot].brought_w > 0.0 for slot in self._trains.active())
+
+    def helpless(self, slot: int) -> bool:
+        """Whether a set stands where nothing charges it, with nothing left, or at a stop with too little to leave."""
+        control, row = self._control[slot], self._rows[slot]
+        stands = self.has_battery(slot) and self._trains.plants[slot].speed_mps == 0.0
+        if not stands or control.power_w > 0.0 or control.brought_w > 0.0 or is_full(row):
+            return False
+        left_j = float(available_j(row))
+        return left_j <= 0.0 or (left_j < control.needed_j and self._books.stands_at(slot) is not None)
+
+    def bring_power(self, slot: int) -> None:
+        """Staff have brought a generator; it stays until the set has what its unit asks for, and the reserve."""
+        if self.helpless(slot):
+            self._control[slot].brought_w = self._settings.brought_kw * 1e3
+
+    def levels(self) -> Iterator[tuple[int, BatteryLevel]]:
+        """The sets whose battery has come to another level."""
+        for slot in self._trains.active():
+            level = BatteryLevel.LOW if self._control[slot].sheds else BatteryLevel.ENOUGH
+            level = BatteryLevel.EMPTY if self.empty(slot) else level
+            if level is not self._level[slot]:
+                self._level[slot] = level
+                yield slot, level
 
     # off the line ----------------------------------------------------------------------------------------------
 

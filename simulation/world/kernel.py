@@ -255,10 +255,10 @@ def step_one(row: StockRow, track: PathArrays, step: int) -> tuple[int, int]:
     battery = row.battery
     traction_j, regenerated_j = plant.energy_traction_j, plant.energy_regenerated_j
     if battery.fitted != 0:
-        offer_power(battery, plant, step_s)
+        offer_power(battery, row.charging, plant, step_s)
     move(plant, row.body, notch, emergency, gradient, curvature, step_s)
     if battery.fitted != 0:
-        drain(battery, plant, row.body, traction_j, regenerated_j, step_s)
+        drain(battery, row.charging, plant, row.body, traction_j, regenerated_j, step_s)
         held = 1 if dead or unit.mode == MODE_HOLD else 0
         ahead_s = row.truth.clock_ahead_s
         steer(battery, row.charging, plant.speed_mps, held, step * step_s, ahead_s)

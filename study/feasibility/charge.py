@@ -13,10 +13,11 @@ from typing import Any
 from network.clock import first_given
 from network.units import J_PER_KWH
 from onboard.charge import ChargeRules, commits_at
+from onboard.mission import Target
 from onboard.reach import BatteryHop, SetWays, charger_at, stands_s, to_next_charge
 from simulation.battery_settings import BatterySettings, Departure
 from simulation.setup import Setup
-from simulation.world.charge_control import READY_S
+from simulation.world.charge_control import READY_S, SHEDS_S
 from simulation.world.roster import Duty
 from simulation.world.ways import ways_of
 from study.feasibility.finding import Finding, FindingKind, Severity, length_of_time, minute, severity_of
@@ -47,6 +48,18 @@ class _SetCharge:
     def charge(self, power_w: float, time_s: float) -> None:
         if time_s > 0.0:
             stand(self.battery, self.auxiliary_w, power_w, time_s, STEP_S)
+
+    def wait(self, time_s: float, keeps_j: float) -> float:
+        """Stand without a charger; for how long of that what can wait is off, s."""
+        shed_w = min(self.auxiliary_w, self.settings.shed_to_kw * 1e3)
+        stood_s = shed_s = 0.0
+        while stood_s < time_s:
+            this_s = min(STEP_S, time_s - stood_s)
+            sheds = stood_s >= SHEDS_S and available_j(self.battery) < keeps_j
+            stand(self.battery, shed_w if sheds else self.auxiliary_w, 0.0, this_s, STEP_S)
+            stood_s += this_s
+            shed_s += this_s if sheds else 0.0
+        return shed_s
 
 
 def charge_of(setup: Setup, day: PlannedDay) -> Iterator[Finding]:
@@ -113,7 +126,12 @@ def _train(one: _SetCharge, duty: Duty, following: Duty | None) -> Iterator[Find
         next_first = (
             following.mission.targets[0] if last and following is not None and not duty.leaves else None
         )
-        _stands(one, charger_at(line, there), stands_s(there, next_first, dwell_s))
+        keeps_j = one.rules.reserve_j
+        if one.rules.waits and hops[at + 1 :]:
+            keeps_j += one.rules.needed_j(to_next_charge(hops[at + 1 :], ()), commits=last)
+        sheds_s = _stands(one, charger_at(line, there), stands_s(there, next_first, dwell_s), keeps_j)
+        if sheds_s > 0.0 and available_j(one.battery) > 0.0:
+            yield _sheds(duty, target, there, sheds_s, keeps_j)
         if available_j(one.battery) <= 0.0:
             text = f"{duty.train.number} would have an empty battery at {hops[at].to_place}"
             yield Finding(
@@ -128,14 +146,28 @@ def _train(one: _SetCharge, duty: Duty, following: Duty | None) -> Iterator[Find
             return
 
 
-def _stands(one: _SetCharge, station_id: str, time_s: float) -> None:
-    """A stand as planned: with the charger, if there is one and time for it."""
+def _sheds(duty: Duty, target: Target, there: Target, sheds_s: float, keeps_j: float) -> Finding:
+    """A stand without a charger that takes a set to what it is to keep."""
+    text = (
+        f"{duty.train.number} would come to what it keeps, {keeps_j / J_PER_KWH:.1f} kWh, as it stands at"
+        f" {there.place_id}, and have heating and cooling off for {length_of_time(sheds_s)}"
+    )
+    time_s = first_given(there.arrival_s, target.departure_s, duty.enter_s)
+    remedy = "a shorter stand, or a charger there"
+    trains = (duty.train.number,)
+    return Finding(FindingKind.CHARGE, Severity.TIGHT, trains, there.place_id, time_s, text, remedy, 0.0)
+
+
+def _stands(one: _SetCharge, station_id: str, time_s: float, keeps_j: float) -> float:
+    """A stand as planned: with the charger, if there is one and time for it; how long what can wait is off, s."""
     charger = one.setup.believed_line.chargers.get(station_id)
     connected_s = 0.0
     if charger is not None:
         connected_s = max(time_s - charger.connect_s - charger.disconnect_s - READY_S, 0.0)
         one.charge(charger.power_w, connected_s)
-    one.charge(0.0, time_s - connected_s)
+        one.charge(0.0, time_s - connected_s)
+        return 0.0
+    return one.wait(time_s, keeps_j)
 
 
 def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> Finding | None:

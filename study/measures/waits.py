@@ -448,6 +448,8 @@ class _Finder:
         )
         if view.limit_before is None or view.limit_at is None or view.duty is None or not self._is_short():
             return None
+        if view.limit_at[0] not in view.duty.mission.path:
+            return None  # on another track than planned, whose limit its planned way does not have
         limit_m = view.duty.mission.path.to_path_m(*view.limit_at)
         rows = self._where.samples(view.unit, from_s, to_s)
         times_s = rows["step"] / STEPS_PER_S

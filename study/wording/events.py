@@ -150,6 +150,7 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     events.StepRefused: EventWording(
         "substitute working", phrase("{step} in {block}{train} cannot be done{why}"), _OF_STEP
     ),
+    events.BatteryAt: EventWording("battery", phrase("the battery of {unit_id}: {level}")),
     events.UnitRestrains: EventWording(
         "substitute working", phrase("{unit_id} is told to go, and its unit does not let it")
     ),
@@ -235,6 +236,8 @@ def _values(event: Noted, names: Names) -> dict[str, object]:
             fields["says"] = says_text(step, block, train)
         case events.DoorsHeld():
             fields["until"] = clock(int(event.until_s))
+        case events.BatteryAt(level=level):
+            fields["level"] = phrase(level.value, "battery level")
         case events.Unsafe():
             fields["how"] = unsafe_text(event)
         case crossing_notes.CrossingCreep(guarded=guarded):

@@ -28,6 +28,7 @@ class Gauge:
     connected: bool = False
     full: bool = False
     up: bool = True
+    keeps_j: float = 0.0
     asked: list[tuple[float, float]] = field(default_factory=list)
 
     @property
@@ -38,8 +39,9 @@ class Gauge:
         later_s = at_s - self.now_s
         return self.has + (self.gains_w * later_s if 0.0 < later_s < math.inf else 0.0)
 
-    def ask(self, needed_j: float, leaves_s: float) -> None:
+    def ask(self, needed_j: float, leaves_s: float, keeps_j: float) -> None:
         self.asked.append((needed_j, leaves_s))
+        self.keeps_j = keeps_j
 
 
 def missions() -> tuple[Mission, Mission]:
@@ -196,3 +198,14 @@ def test_it_charges_only_with_the_pantograph_up() -> None:
 def test_at_the_last_stop_nothing_is_asked() -> None:
     down, _ = missions()
     assert watch(Gauge(has=0.0)).why_not(down, len(down.targets) - 1) is None
+
+
+@pytest.mark.parametrize("on_sight", [False, True])
+def test_a_stand_is_to_leave_it_what_its_way_takes_and_a_reserve(on_sight: bool) -> None:
+    down, _ = missions()
+    gauge = Gauge(has=90.0 * KWH)
+    own = watch(gauge)
+    (own.on_sight if on_sight else own.why_not)(down, 2)
+    assert gauge.keeps_j == pytest.approx(1.1 * 35.0 * KWH + 10.0 * KWH)
+    (own.on_sight if on_sight else own.why_not)(down, len(down.targets) - 1)
+    assert gauge.keeps_j == pytest.approx(10.0 * KWH)

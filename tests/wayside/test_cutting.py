@@ -90,6 +90,13 @@ def test_a_late_train_is_ended_where_that_saves_enough() -> None:
         assert (TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)) is ordered
 
 
+def test_a_cut_that_saves_nothing_is_none_whatever_it_must_gain() -> None:
+    """By the same hand, with 160 s for the other train: 560 against 560."""
+    for late_s, ordered in ((159.0, True), (160.0, False)):
+        play = at_the_loop(cuts=replace(RULES, late_s=late_s, gain_s=0.0))
+        assert (TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)) is ordered
+
+
 @pytest.mark.parametrize(
     "cuts",
     [CutRules(), replace(RULES, turn_back_at=("2",)), CutRules(trains=("0", "0b"), late_s=0.0, gain_s=0.0)],
@@ -179,7 +186,8 @@ def test_while_the_answer_is_out_nothing_is_granted_that_is_wrong_after_it(
     ways = [[*WAYS[0], "P"], ["2.2", "1.2"], ["P", "0.1", "1.1", "2.2"]]
     for either_way in (True, False):
         monkeypatch.setattr(unanswered, "EITHER_WAY", either_way)
-        play = at_the_loop(ways, replace(RULES, gain_s=-1e6))
+        monkeypatch.setattr(cutting, "WEIGHED", False)
+        play = at_the_loop(ways, RULES)
         assert isinstance(play.asks(1), RouteGranted)
         assert any(isinstance(m, TrainOrdered) for m in says(play, ONWARD))
         came_in = says(play, SignOn("u2", ("P",)), "u2")[-1]

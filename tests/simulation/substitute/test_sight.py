@@ -26,7 +26,6 @@ def test_nobody_is_let_into_a_track_to_which_another_has_authority_or_in_which_i
     world = SimpleNamespace(
         setup=None,
         wayside=None,
-        drawn={},
         trains=SimpleNamespace(
             slot_of={HOP.stock_id: 0, "V2": 1}, sections_under=lambda: {"V2": frozenset(under)}
         ),
@@ -34,5 +33,6 @@ def test_nobody_is_let_into_a_track_to_which_another_has_authority_or_in_which_i
             unpowered=set(unpowered), shown_to_driver=lambda slot: SimpleNamespace(held=shown[slot])
         ),
     )
-    sight = LineSight(cast("Any", world), cast("Any", None), cast("Any", None))
+    duties = SimpleNamespace(of_stock={})
+    sight = LineSight(cast("Any", world), cast("Any", duties), cast("Any", None))
     assert sight._may_be_let_in(HOP, HOP.after_block) is may

@@ -131,13 +131,13 @@ def braked(limit_w: float) -> tuple[float, NDArray[np.void], NDArray[np.void]]:
     own, plant = train.battery.copy(), new_plant(1, 18.0)
     own["charge_c"] = 0.5 * own["full_c"]
     own["pack"]["regeneration_max_w"] = limit_w
-    most_w = 0.0
+    charging, most_w = np.zeros(1, dtype=CHARGING), 0.0
     while plant["speed_mps"][0] > 0.0:
-        offer_power(own[0], plant[0], 0.1)
+        offer_power(own[0], charging[0], plant[0], 0.1)
         traction_j, back_j = float(plant["energy_traction_j"][0]), float(plant["energy_regenerated_j"][0])
         taken_j = float(own["flows"]["taken_j"][0])
         step(plant[0], train.row[0], -7.0, False, 0.0, 0.0, 0.1)
-        drain(own[0], plant[0], train.row[0], traction_j, back_j, 0.1)
+        drain(own[0], charging[0], plant[0], train.row[0], traction_j, back_j, 0.1)
         most_w = max(most_w, (float(own["flows"]["taken_j"][0]) - taken_j) / 0.1)
     return most_w, own, plant
 
@@ -155,3 +155,88 @@ def test_a_limit_on_regeneration_binds_and_the_air_brake_does_the_rest() -> None
     assert own["flows"]["spilled_j"][0] == pytest.approx(
         0.0, abs=1.0
     )  # the motors are held, nothing is given back in vain
+
+
+# a stand without a charger -------------------------------------------------------------------------------------------
+
+KEEPS_KWH, RESERVE_KWH = 50.0, 12.0
+
+
+class Waits:
+    """A set held at a stop without a charger, that is to keep 50 kWh there; a step a second."""
+
+    def __init__(self, available_kwh: float) -> None:
+        self.train = load_train(shipped_train("ev_e301"))
+        assert self.train.battery is not None
+        self.battery = self.train.battery.copy()
+        low, high = float(self.battery["pack"]["soc_low"][0]), float(self.battery["pack"]["soc_high"][0])
+        for _ in range(40):  # halving: the charge above the window's low end grows with the state of charge
+            middle = 0.5 * (low + high)
+            self.battery["charge_c"] = middle * self.battery["full_c"]
+            low, high = (middle, high) if self.available_kwh < available_kwh else (low, middle)
+        self.charging, self.plant = np.zeros(1, dtype=CHARGING), new_plant(1, 0.0)
+        reset_charging(self.battery[0], self.charging[0])
+        self.charging["keeps_j"], self.charging["reserve_j"] = KEEPS_KWH * KWH, RESERVE_KWH * KWH
+        self.charging["keeps_w"] = 5e3
+
+    @property
+    def available_kwh(self) -> float:
+        return float(available_j(self.battery[0])) / KWH
+
+    def stand(self, time_s: float, notch: float = -7.0) -> None:
+        row, plant = self.train.row[0], self.plant[0]
+        for now_s in range(int(time_s)):
+            offer_power(self.battery[0], self.charging[0], plant, 1.0)
+            traction_j, back_j = float(plant["energy_traction_j"]), float(plant["energy_regenerated_j"])
+            step(plant, row, notch, False, 0.0, 0.0, 1.0)
+            drain(self.battery[0], self.charging[0], plant, row, traction_j, back_j, 1.0)
+            steer(self.battery[0], self.charging[0], float(plant["speed_mps"]), 0, float(now_s), 0.0)
+
+
+def test_a_long_stand_leaves_what_the_way_takes() -> None:
+    """30 kW take 10 kWh in 20 min; from then on 5 kW stay on, and 2 h more take 10 kWh."""
+    waits = Waits(KEEPS_KWH + 10.0)
+    waits.stand(1140.0)
+    assert waits.charging["sheds"][0] == 0
+    waits.stand(60.0)
+    assert waits.available_kwh == pytest.approx(KEEPS_KWH, abs=0.1)
+    waits.stand(7200.0)
+    assert waits.charging["sheds"][0] == 1
+    assert waits.available_kwh == pytest.approx(KEEPS_KWH - 10.0, abs=0.2)
+    taken_kwh = float(waits.battery["flows"]["given_j"][0]) / KWH
+    assert float(waits.plant["energy_auxiliary_j"][0]) / KWH == pytest.approx(taken_kwh, rel=1e-6)
+
+
+def test_all_auxiliaries_are_on_as_it_runs_and_what_it_runs_by_is_kept_no_more() -> None:
+    waits = Waits(KEEPS_KWH - 5.0)
+    waits.stand(59.0)
+    assert waits.charging["sheds"][0] == 0  # not at a stop of the timetable
+    waits.stand(2.0)
+    assert waits.charging["sheds"][0] == 1
+    before_kwh = waits.available_kwh
+    waits.stand(120.0, notch=5.0)
+    assert waits.charging["sheds"][0] == 0
+    lost_kwh = float(waits.battery["flows"]["lost_j"][0]) / KWH
+    ran_kwh = before_kwh - waits.available_kwh - lost_kwh
+    assert ran_kwh > 2.0
+    assert KEEPS_KWH - float(waits.charging["keeps_j"][0]) / KWH == pytest.approx(ran_kwh, abs=0.1)
+
+
+def test_at_the_least_the_reserve_is_kept() -> None:
+    waits = Waits(RESERVE_KWH + 5.0)
+    waits.charging["keeps_j"] = RESERVE_KWH * KWH
+    waits.stand(60.0, notch=5.0)
+    assert float(waits.charging["keeps_j"][0]) == RESERVE_KWH * KWH
+
+
+def test_a_generator_charges_it_and_no_wheel_moves_meanwhile() -> None:
+    """60 kW, 5 kW of them for what is on; it is taken away once there is what is to be kept."""
+    waits = Waits(0.0)
+    waits.charging["brought_w"] = 60e3
+    waits.stand(1800.0, notch=5.0)
+    assert float(waits.plant["travelled_m"][0]) == 0.0
+    lost_kwh = float(waits.battery["flows"]["lost_j"][0]) / KWH
+    assert waits.available_kwh == pytest.approx(55.0 * 0.5 - 25.0 / 60.0 - lost_kwh, abs=0.1)
+    waits.stand(1600.0)
+    assert waits.charging["brought_w"][0] == 0.0
+    assert waits.available_kwh == pytest.approx(KEEPS_KWH, abs=0.3)

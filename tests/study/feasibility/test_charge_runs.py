@@ -77,3 +77,22 @@ def test_a_plan_that_waits_for_a_charger_does_not_run_as_printed() -> None:
     assert waits.severity is Severity.LATE
     assert waits.short_s is not None
     assert waits.short_s > 300.0
+
+
+def test_a_stand_without_a_charger_takes_what_is_on(setup: Setup) -> None:
+    """10 kWh above what is kept are 20 min at 30 kW; in the 70 min that are left 5 kW stay on, as stated."""
+    one = one_set(setup, 0.6)
+    keeps_j = available_j(one.battery) - 10.0 * KWH
+    assert one.wait(5400.0, keeps_j) == pytest.approx(4200.0, abs=10.0)
+    assert available_j(one.battery) == pytest.approx(keeps_j - 5.0 * 70.0 / 60.0 * KWH, abs=0.1 * KWH)
+
+
+def test_a_plan_whose_stand_comes_to_what_is_kept_is_told() -> None:
+    """Sets that leave whatever, Karasuyama without its charger: what is kept there is the reserve alone."""
+    table = {
+        "battery": {"departure": "leave", "heating_kw": 36.0},
+        "patch": {"line": {"remove": {"chargers": ["KRS"]}}},
+    }
+    found = feasibility(load_scenario("karasuyama_battery", tables=table).setup)
+    stands = [f for f in found.findings if f.kind is FindingKind.CHARGE and f.severity is Severity.TIGHT]
+    assert "KRS" in {f.place for f in stands} and all("heating and cooling off" in f.text for f in stands)

@@ -20,7 +20,7 @@ from scenario.script_file import names_of
 from simulation.faults.fault import Fault, Names
 from simulation.people import Pause
 from simulation.setup import Setup
-from tests.system.chaos import dispatcher
+from tests.system.chaos import by_people, dispatcher
 from tests.system.chaos.case import Case
 from tests.system.chaos.course import Course, clock_tenths
 from tests.system.chaos.draw import Draw
@@ -98,6 +98,11 @@ def case_of(family: Family, seed: int, nets: Path, *, swarm: bool = False) -> Ca
         head |= dispatcher.means(setup, draw.of("means"))
         acts += dispatcher.said(setup, times.drawn(desk.of("time")), desk)
         acts += dispatcher.driven(setup, times.drawn(desk.of("hand", "time")), desk.of("hand"))
+        people = draw.of("substitute")
+        tables, paces, off = by_people.worked(setup, times.drawn(people.of("time")), people)
+        head |= tables
+        head["people"] |= paces
+        faults += off
     name = f"{'swarm_' if swarm else ''}{family.value}_{seed}"
     return Case(name, ground, head, faults, tuple(acts))
 

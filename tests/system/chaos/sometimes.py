@@ -13,6 +13,7 @@ from radio.messages import RefusalReason
 from radio.noted import Lost, TelegramDropped
 from simulation.events import (
     Acted,
+    BatteryAt,
     Commissioned,
     EventType,
     FaultBegan,
@@ -20,6 +21,7 @@ from simulation.events import (
     PointsLockedByHand,
     PointsSetByHand,
     PowerOff,
+    ProcedureStep,
     Uncommissioned,
 )
 from simulation.faults.chargers import ChargerDead
@@ -65,6 +67,8 @@ SOMETIMES: Final[MappingProxyType[str, EventType]] = MappingProxyType(
         "a certificate is found": said.Certified,
         "a sign-off waits for the train to have left": said.Leaving,
         "a person acts": Acted,
+        "people work the line": ProcedureStep,
+        "a battery is low": BatteryAt,
         "a level crossing is asked to close": crossing_notes.CrossingAsked,
         "a level crossing is heard closed": crossing_notes.CrossingHeardClosed,
         "the proof of a level crossing is lost": crossing_notes.CrossingProofLost,

@@ -35,6 +35,7 @@ MARKERS_P: Final = 0.6
 MARKER_M: Final = 60.0  # before the mark
 MARKERS_EVERY_M: Final = 700.0  # on open line, beyond what a LiDAR sees
 BATTERY_P: Final = 0.3
+CHARGER_P: Final = 0.6
 AGAIN_P: Final = 0.7
 SWEPT_S: Final = (
     14_400.0  # after the last planned time: trains that sweep the whole line on sight, one after the other
@@ -57,8 +58,8 @@ def wide_ground(number: int) -> Ground:
     line, stops = parse_line(text, "line"), TEST_LINE_STOPS if drawn is None else drawn.stops
     second = draw.of("second network").chance(SECOND_P) or bool(drawn and drawn.second_network)
     battery = drawn is not None and draw.of("battery").chance(BATTERY_P)
-    if battery:
-        text += toml_of({"chargers": _chargers(line, draw.of("chargers"))})
+    if battery and (chargers := _chargers(line, draw.of("chargers"))):
+        text += toml_of({"chargers": chargers})
     head: dict[str, Any] = {
         "line": f"{drawn.id}.toml" if drawn else "rtri_test_line",
         "timetable": f"wide_{number}_times.toml",
@@ -151,7 +152,7 @@ def _markers(line: Line) -> Rows:
 
 
 def _chargers(line: Line, draw: Draw) -> Rows:
-    """Wherever trains wait for each other: who waits elsewhere until its charge is too little waits for a person."""
+    """At some of the stations where trains wait for each other: who waits elsewhere keeps what its way takes."""
     return [
         {
             "station": station.id,
@@ -160,10 +161,10 @@ def _chargers(line: Line, draw: Draw) -> Rows:
             "origin": "assumed: drawn by chance",
         }
         for station in line.stations.values()
-        if not station.is_halt
+        if not station.is_halt and draw.of(station.id, "has").chance(CHARGER_P)
     ]
 
 
 def _battery(draw: Draw) -> Row:
-    """Enough for an hour or two on open line."""
-    return {"start_share": draw.between(0.5, 1.0, 2), "heating_kw": draw.of("heating").between(0.0, 15.0, 0)}
+    """Enough to begin with; on a cold day a stand of an hour or two uses it up."""
+    return {"start_share": draw.between(0.75, 1.0, 2), "heating_kw": draw.of("heating").between(0.0, 24.0, 0)}

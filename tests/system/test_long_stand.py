@@ -1,0 +1,64 @@
+"""A set that stands for hours where there is no charger, on a cold day: what it keeps, and who helps it.
+
+66 kW would take 130 kWh in two hours; V4 comes to Ogane with less than 45.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from network.errors import InputError
+from onboard.notes import AbleToLeave, UnableToLeave
+from scenario.scenario import load_scenario
+from simulation.events import Acted, BatteryAt, BatteryLevel
+from simulation.result import Ending
+from study.runner.run import FinishedRun
+from tests.plain import run_on_plain
+
+HOLD = (
+    '[[act]]\nkind = "hold_train"\nperson = "controller"\ntarget = "V4"\nstart = "train 333M arrives OGN"\n'
+)
+
+
+def stood(folder: Path, hold_s: float, *, react: bool = False) -> FinishedRun:
+    """The day on which V4 is held at Ogane for a time."""
+    path = folder / "stood.toml"
+    text = (
+        'extends = "karasuyama_battery"\nid = "stood"\nname = "stood"\n[battery]\nheating_kw = 36.0\n'
+        "[dispatch]\ncertificate = true\n[limits]\nstall_limit_s = 20000.0\ntime_limit_s = 14400.0\n"
+        f"[people]\nreact = {str(react).lower()}\n{HOLD}hold_s = {hold_s}\n"
+    )
+    path.write_text(text, "utf-8")
+    return run_on_plain(path)
+
+
+def levels(run: FinishedRun) -> list[BatteryLevel]:
+    events = (e.event for e in run.result.journal.entries)
+    return [event.level for event in events if isinstance(event, BatteryAt) and event.unit_id == "V4"]
+
+
+@pytest.mark.nightly
+def test_after_two_hours_it_goes_on_by_itself(tmp_path: Path) -> None:
+    run = stood(tmp_path, 7200.0)
+    assert run.result.ended_because is Ending.FINISHED and not run.broken
+    assert levels(run)[:2] == [BatteryLevel.LOW, BatteryLevel.ENOUGH]
+    assert not [e for e in run.result.journal.entries if e.who == "V4" and isinstance(e.event, UnableToLeave)]
+
+
+@pytest.mark.nightly
+def test_after_four_hours_staff_bring_it_power(tmp_path: Path) -> None:
+    run = stood(tmp_path, 14000.0, react=True)
+    told = [e for e in run.result.journal.entries if e.who == "V4" or isinstance(e.event, Acted)]
+    (unable, able) = [e.t_s for e in told if isinstance(e.event, UnableToLeave | AbleToLeave)][:2]
+    brought = [e.t_s for e in told if isinstance(e.event, Acted) and e.event.act == "bring_power"]
+    assert unable < brought[0] < able
+    left = run.tables.stops.filter(train="333M", station="OGN")["departure_s"][0]
+    assert left is not None and left > able
+
+
+def test_power_is_brought_to_sets_on_batteries_alone(tmp_path: Path) -> None:
+    path = tmp_path / "wire.toml"
+    act = '[[act]]\nkind = "bring_power"\nperson = "staff"\ntarget = "V4"\nstart = "09:00:00"\n'
+    path.write_text(f'extends = "karasuyama_weekday"\nid = "wire"\nname = "wire"\n{act}', "utf-8")
+    with pytest.raises(InputError, match=r"without \[battery\]"):
+        load_scenario(str(path))
