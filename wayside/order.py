@@ -5,7 +5,9 @@ is first is less late than `late_s`. Beyond that it is left to who asks first (`
 through in blocks and minutes for all trains of the line, and the one with less delay is taken (`least_delay`); or it
 is the order of all of them that delays all least (`optimal`), as soon as any train that is to go there is so late.
 Nobody waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max`
-trains have gone before it; nor does it let a train on before one that was overtaken so often.
+trains have gone before it; nor does it let a train on before one that was overtaken so often. In an order of all of
+them each train has its place, whatever goes before it: there the time alone bounds how long it waits, and who has
+waited for so long goes before others.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from typing import Final, NamedTuple
 
 from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import OrderRule
-from wayside.journeys import Days, PlannedMove, Stands
+from wayside.journeys import DayProgress, Days, PlannedMove, Stands
 from wayside.moves import bits_of
 from wayside.order_question import LastOrder, OrderAnswer
 from wayside.register import Register
@@ -25,6 +27,7 @@ from wayside.register import Register
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
 BOUNDED = True  # off: a train waits for its turn for as long as the order has it
+BY_TIME = True  # off: who was overtaken `overtaken_max` times goes first in an order of all trains, too
 GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
 
 
@@ -55,10 +58,10 @@ def turn_of(
 ) -> Precedence | None:
     """Whether the train goes now that asks for its next move; None where no other is first, by plan or as solved."""
     ahead = _planned_first(register, days, stands, index)
-    overtaken = _too_often(register, days, stands, index)
     order: _Solved | None = None
     if solved is not None and not solved.answer.lacking:
         order = _Solved(None if days.given else solved.answer, solved.left(stands.at))
+    overtaken = _too_often(register, days, stands, index, order)
     if order is not None:
         known = {first.index for first in ahead}
         rivals = _rivals(register, days, stands, index)
@@ -70,6 +73,15 @@ def turn_of(
             return turn
         changed = changed or turn
     return changed
+
+
+def beginnings(register: Register, days: Days, stands: Stands, index: int) -> tuple[tuple[int, ...], ...]:
+    """The first moves of the orders among which `least_delay` chooses: the train goes now, or after each of those that
+    are planned before it.
+    """
+    firsts = _planned_first(register, days, stands, index)
+    coming = (_coming(days, stands, index, first) for first in firsts)
+    return ((index,), *(moves for moves in coming if moves is not None))
 
 
 def would_starve(register: Register, days: Days, stands: Stands, index: int) -> bool:
@@ -154,17 +166,35 @@ def _planned_first(register: Register, days: Days, stands: Stands, index: int) -
     return sorted(found, key=lambda first: first.hop.departs_s)
 
 
-def _too_often(register: Register, days: Days, stands: Stands, index: int) -> list[_First]:
-    """Trains that wait for line that this one wants, and were overtaken as often as may be."""
+def _too_often(
+    register: Register, days: Days, stands: Stands, index: int, order: _Solved | None
+) -> list[_First]:
+    """Trains that wait for line that this one wants, and were overtaken as often, or have waited as long as may be."""
     mine = days.hops[index][stands.at[index]]
     found: list[_First] = []
     for other, hops in enumerate(days.hops):
         at, trip = _to_come(register, days, stands, other), register.trip(days.unit_ids[other])
-        if other == index or at == len(hops) or trip.asked_s is None or trip.overtaken < days.overtaken_max:
+        if other == index or at == len(hops) or not _bound_reached(register, days, trip, hops[at], order):
             continue
         if hops[at].line & mine.line and hops[at].departs_s >= mine.departs_s:
             found.append(_First(other, at, hops[at], _late_s(register, days, stands, other)))
     return found
+
+
+def _bound_reached(
+    register: Register, days: Days, trip: DayProgress, hop: PlannedMove, order: _Solved | None
+) -> bool:
+    """Whether a train that waits has the next turn: nobody else goes before it by the order of trains."""
+    if trip.asked_s is None:
+        return False
+    if BY_TIME and order is not None and order.answer is not None:
+        return _held_s(register, trip, hop) >= days.hold_s_max
+    return trip.overtaken >= days.overtaken_max
+
+
+def _held_s(register: Register, trip: DayProgress, hop: PlannedMove) -> float:
+    """For how long the order of trains holds a train back."""
+    return 0.0 if trip.held_s is None else register.now_s - max(trip.held_s, hop.departs_s)
 
 
 def _late_s(register: Register, days: Days, stands: Stands, index: int) -> float:
@@ -181,15 +211,16 @@ def _before(
     other = register.trip(days.unit_ids[first.index])
     mine = days.hops[index][stands.at[index]]
     train, ahead, to = mine.train, first.hop.train, first.hop.section_id
-    if why := _waited_enough(register, days, stands, index, ahead):
+    if why := _waited_enough(register, days, stands, index, ahead, order):
         return Precedence(first.index, True, f"order changed: {train} {why}")
     coming = _coming(days, stands, index, first)
     late = f"planned first; it is {_minutes(first.late_s)} min late"
     waits, goes = f"{train} waits for {ahead}", f"order changed: {train} goes before {ahead}"
     if coming is None:
         return Precedence(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
-    if BOUNDED and other.overtaken >= days.overtaken_max:
-        why = f"{waits}, before which {other.overtaken} trains have gone"
+    if BOUNDED and _bound_reached(register, days, other, first.hop, order):
+        often = f"before which {other.overtaken} trains have gone"
+        why = f"{waits}, {often if other.overtaken else 'which has waited as long as it may'}"
     elif order is not None and order.is_first(first, index):
         why = f"{waits}: {order.cost()}"
     elif order is not None:
@@ -203,14 +234,16 @@ def _before(
     return Precedence(first.index, False, why, to)
 
 
-def _waited_enough(register: Register, days: Days, stands: Stands, index: int, ahead: str) -> str:
+def _waited_enough(
+    register: Register, days: Days, stands: Stands, index: int, ahead: str, order: _Solved | None
+) -> str:
     """Why the train waits no longer for its turn, whoever is planned first; empty: it may have to."""
     trip = register.trip(days.unit_ids[index])
-    due_s = days.hops[index][stands.at[index]].departs_s
-    held_s = 0.0 if trip.held_s is None else register.now_s - max(trip.held_s, due_s)
+    hop = days.hops[index][stands.at[index]]
+    held_s = _held_s(register, trip, hop)
     if BOUNDED and held_s >= days.hold_s_max:
         return f"has waited {_minutes(held_s)} min for {ahead}, the most it may"
-    if BOUNDED and trip.overtaken >= days.overtaken_max:
+    if BOUNDED and _bound_reached(register, days, trip.asks(register.now_s), hop, order):
         return f"goes before {ahead}: {trip.overtaken} trains have gone before it"
     return ""
 

@@ -49,7 +49,7 @@ class OrderTrain(msgspec.Struct, frozen=True, array_like=True):
 
 class OrderQuestion(msgspec.Struct, frozen=True, array_like=True):
     """All stock, what is left of the order found last, with the `ends` of its moves, how far is looked ahead, and how
-    much the solver may work.
+    much the solver may work. `begins`: first moves of other orders, than which none may be worse.
     """
 
     trains: tuple[OrderTrain, ...]
@@ -57,6 +57,7 @@ class OrderQuestion(msgspec.Struct, frozen=True, array_like=True):
     ahead_s: int
     work_max: float
     ends: tuple[int, ...] = ()
+    begins: tuple[tuple[int, ...], ...] = ()
 
 
 class OrderAnswer(msgspec.Struct, frozen=True, array_like=True):

@@ -34,6 +34,12 @@ class Pairs:
     def _rows_of(self, train: Train, other: int, needs: _Needs | None) -> tuple[int, ...] | None:
         return None if train.choices or needs is None else _rows(train, needs, self._moves[other])
 
+    def rows(self, one: int, two: int) -> tuple[int, ...]:
+        """By the place of the one of them that comes later, from where on the other both can finish: bit k is k moves
+        before its end; none where either has a choice.
+        """
+        return self._rows[one][two] or ()
+
     def dead(self, at: Sequence[int], mover: int) -> int | None:
         """A train with which this one cannot finish, where both are; None: with each of them it can."""
         for other in range(len(at)):

@@ -3,20 +3,23 @@
 Asked is what the manager knows and nothing else: the planned times of the moves, how late each train was when it left
 last, and what each holds. Nobody tells it for how long a train that is due will not ask: it is expected after as long
 again, for if it counted as ready this second, and the next, others would wait for it minute by minute. The moves are
-those that are planned to begin in the next two hours: at that time of the plan all trains stand where they have room,
-so that there is an order to find, unless trains have already gone out of their turn.
+those that are planned to begin in the next two hours: at that time of the plan all trains stand where they have room.
+Where trains have gone out of their turn and could not all come to these places, further moves are asked for, with which
+they can: there is an order whenever there is one for the day.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
 from msgspec.structs import replace
 
 from wayside.actions import Show
+from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands
 from wayside.moves import Move
@@ -30,15 +33,21 @@ CHOICE_AHEAD_S: Final = 2400.0  # assumed: further ahead tracks are as planned, 
 ORDERS_MAX: Final = 6  # assumed: lost orders are given again; trains are not sent to and fro
 ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
 STANDS_AGAIN: Final = 1.0  # assumed: who has stood for so long will stand for as long again
+EXTENDS = True  # off: who is asked about ends at a time of the plan, whether all can stand there or not
 STANDS_ON = True  # off: who is overdue counts as ready this second, however long it has been
 
 
-def with_order(register: Register, days: Days, stands: Stands) -> tuple[Register, tuple[Show, ...]]:
-    """The register with an order that is no older than a minute, and what the journal is told where there is none."""
+def with_order(
+    register: Register, days: Days, stands: Stands, begins: Callable[[], tuple[tuple[int, ...], ...]]
+) -> tuple[Register, tuple[Show, ...]]:
+    """The register with an order that is no older than a minute, and what the journal is told where there is none.
+
+    `begins`: first moves of the orders than which it may not be worse.
+    """
     last = register.solved
     if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
         return register, ()
-    question = question_of(register, days, stands)
+    question = replace(question_of(register, days, stands), begins=begins())
     answer = register.plan.solver(question)
     if not _of_these(question, answer):
         answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
@@ -59,8 +68,10 @@ def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion
     for section_id, unit_id in register.holders.items():
         if unit_id in held:
             held[unit_id] |= days.bits[section_id]
+    ahead = moves_ahead(register, days, stands)
     trains = (
-        _train(register, days, stands, index, held[unit_id]) for index, unit_id in enumerate(days.unit_ids)
+        _train(register, days, stands, index, held[unit_id], ahead[index])
+        for index, unit_id in enumerate(days.unit_ids)
     )
     last = register.solved
     order = () if last is None else tuple(index for index, _ in last.left(stands.at))
@@ -68,7 +79,30 @@ def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion
     return OrderQuestion(tuple(trains), order, math.ceil(AHEAD_S), WORK_MAX, ends)
 
 
-def _train(register: Register, days: Days, stands: Stands, index: int, held: int) -> OrderTrain:
+def moves_ahead(register: Register, days: Days, stands: Stands) -> list[int]:
+    """How many of its next moves each stock is asked about: all that are planned to begin in time, and as many more as
+    an order for the day has before the last of these, where after these alone they could not all stand.
+    """
+    until_s = register.now_s + AHEAD_S
+    planned = [len(train.ahead) for train in stands.trains(days, until_s)]
+    if not EXTENDS or finishing_order(stands.trains(days, until_s)).proof is CertificateProof.ORDER:
+        return planned
+    kept = register.kept
+    order: Sequence[int] = ()
+    if kept is not None and kept.leads_from(stands) and kept.until_s == math.inf:
+        order = kept.order
+    else:
+        order = finishing_order(stands.trains(days)).order
+    made, left = [0] * len(planned), sum(planned)
+    for index in order:
+        if not left:
+            break
+        left -= made[index] < planned[index]
+        made[index] += 1
+    return planned if left else made
+
+
+def _train(register: Register, days: Days, stands: Stands, index: int, held: int, count: int) -> OrderTrain:
     now_s, at = register.now_s, stands.at[index]
     trip, hops = register.trip(days.unit_ids[index]), days.hops[index]
     keeps = _sections(days, stands.holds[index])
@@ -83,7 +117,7 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
         overdue_s = now_s - max(stands_s, hops[at].departs_s)
         stands_s = max(stands_s, now_s + STANDS_AGAIN * overdue_s) if STANDS_ON else stands_s
     ready_s = math.ceil(stands_s - now_s) - comes_s if stands_s > now_s + comes_s else 0
-    ahead = [hop for hop in hops[at:] if hop.departs_s < now_s + AHEAD_S]
+    ahead = hops[at : at + count]
     moves = tuple(
         _move(
             days,

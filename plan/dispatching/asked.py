@@ -15,6 +15,7 @@ from typing import Final
 import msgspec
 from msgspec.structs import replace
 
+from plan.dispatching.beam import beam_orders
 from plan.dispatching.checker import cost_of
 from plan.dispatching.instance import (
     Instance,
@@ -35,8 +36,9 @@ MOVES_MAX: Final = (
     180  # assumed: making the model of more takes longer than solving it may; then a search extends it
 )
 CHOICES_MAX: Final = 24  # assumed: ways besides the planned ones, of moves that come first
-STAGES: Final = 3  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
+NEAR: Final = 3  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
 
+BEAM = True  # off: the solver begins with the order of the plan, or the last one
 ANYWHERE: Final = -1  # a move of which is not said from where: it has one way
 OFF_LINE: Final = -1
 PLANNED: Final = -2
@@ -44,45 +46,44 @@ Order = tuple[tuple[int, int], ...]  # trains, and where the move of each ends
 
 
 def answer_to(question: OrderQuestion) -> OrderAnswer:
-    """The best order found by the work allowed.
+    """The best order found by the work allowed; no worse than those that it is told of.
 
-    A third of the time ahead is solved first, then two thirds, then all: what is near is certain and decides, and each
-    begins with what the one before has found, or with the order found last. All moves planned before a time can be made
-    before all others. Tracks are chosen in the first third alone; where that costs anything or leads nowhere, all of it
-    is looked at once more with all tracks, by the work that is left: a bound is of all that could be done.
+    Where there are tracks to choose, a third of the time ahead is solved first, with them alone, and then all with what
+    was chosen; where that costs anything or leads nowhere, all of it is looked at once more with all tracks, by the
+    work that is left: a bound is of all that could be done.
     """
     asked = [
         index for index, train in enumerate(question.trains) if train.moves or train.holds or train.keeps
     ]
-    trains = [question.trains[index] for index in asked]
+    all_tracks = [_ends_as_planned(question.trains[index]) for index in asked]
+    trains = all_tracks
     ends = question.ends or (PLANNED,) * len(question.order)
     told = zip(question.order, ends, strict=True)
     last = tuple((asked.index(index), end) for index, end in told if index in asked)
-    order: Order = ()
-    found, spent, all_tracks = Answer(None, 0, impossible=False, work=0.0), 0.0, trains
-    for stage in range(1, STAGES + 1):
-        part = [_before(train, question.ahead_s * stage // STAGES) for train in trains]
-        if stage == 1:
-            part = _near_choices(part)
-        known = _known(part, (order, _of_these(part, last)))
-        if known is None:
-            found = Answer(None, 0, impossible=False, work=0.0)
-            break
-        found = _solved(part, known, question.work_max / STAGES)
+    chosen, spent, begins = any(move.others for train in trains for move in train.moves), 0.0, [last]
+    if chosen:
+        part = _near_choices([_before(train, question.ahead_s // NEAR) for train in trains])
+        known = _known(part, (_of_these(part, last),))
+        near = Answer(None, 0, impossible=False, work=0.0)
+        if known is not None:
+            near = _solved(part, known, question.work_max / NEAR)
+            begins.insert(0, _order(part, near.solution or known))
+        spent = near.work
+        own = [[end for each, end in begins[0] if each == index] for index in range(len(trains))]
+        trains = [_fixed(train, ends) for train, ends in zip(trains, own, strict=True)]
+    begins += [tuple((asked.index(i), PLANNED) for i in first if i in asked) for first in question.begins]
+    known = _known(trains, [(), *(_of_these(trains, begun) for begun in begins)])
+    found = Answer(None, 0, impossible=False, work=spent)
+    if known is not None:
+        found = _solved(trains, known, max(question.work_max - spent, 0.0) / (2 if chosen else 1))
         spent += found.work
-        order = _order(part, found.solution or known)
-        if stage == 1:
-            trains = [
-                _fixed(train, [end for each, end in order if each == index])
-                for index, train in enumerate(trains)
-            ]
-    whole = [_before(train, question.ahead_s) for train in all_tracks]
-    chosen = any(move.others for train in whole for move in train.moves)
     if chosen and (found.solution is None or found.solution.objective_value):
-        found = _solved(whole, _known(whole, (order,)), max(question.work_max - spent, 0.0))
-        order = () if found.solution is None else _order(whole, found.solution)
+        order = () if found.solution is None else _order(trains, found.solution)
+        found = _solved(all_tracks, _known(all_tracks, (order,)), max(question.work_max - spent, 0.0))
+        trains = all_tracks
     if found.solution is None:
         return OrderAnswer(lacking="no order was found in which all trains can run")
+    order = _order(trains, found.solution)
     lost_s = sum(max(0, -move.due_s) for train in trains for move in train.moves if move.counts)
     return OrderAnswer(
         tuple(asked[index] for index, _ in order),
@@ -109,12 +110,15 @@ def _end(way: OrderWay) -> int:
 
 
 def _before(train: OrderTrain, until_s: int) -> OrderTrain:
-    """With the moves that are planned to begin before that; where it is then counts, and is as planned."""
-    moves = [move for move in train.moves if move.departs_s < until_s]
-    if moves:
-        last = moves[-1]
-        moves[-1] = replace(_leads_on_only(last), counts=True)
-    return replace(train, moves=tuple(moves))
+    """With the moves that are planned to begin before that."""
+    moves = tuple(move for move in train.moves if move.departs_s < until_s)
+    return _ends_as_planned(replace(train, moves=moves))
+
+
+def _ends_as_planned(train: OrderTrain) -> OrderTrain:
+    """The train; where it is after its last move counts, and is as planned."""
+    last = (replace(_leads_on_only(move), counts=True) for move in train.moves[-1:])
+    return replace(train, moves=(*train.moves[:-1], *last))
 
 
 def _near_choices(trains: Sequence[OrderTrain]) -> list[OrderTrain]:
@@ -173,8 +177,9 @@ def _of_these(trains: Sequence[OrderTrain], order: Order) -> Order:
 
 
 def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | None:
-    """An order in which all can run, which begins in one of these ways; then by the times of the plan, or by when
-    trains can be ready, whichever delays least. Tracks are as in what it begins with, then as planned.
+    """An order in which all can run: the one that delays least of those that begin in one of these ways, and then go by
+    the times of the plan or by when trains can be ready, and of those that a beam finds. Tracks are as in what it
+    begins with, then as planned.
     """
     instance = _instance(trains, None)
     solutions: list[Solution] = []
@@ -193,6 +198,11 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | 
             found = finishing_order(rest)
             if found.proof is CertificateProof.ORDER:
                 solutions.append(_played(instance, trains, ways, (*first, *found.order)))
+    if BEAM:
+        ways = [_ways(train, ()) for train in trains]
+        searched = [_searched(train, own, late=False) for train, own in zip(trains, ways, strict=True)]
+        beams = beam_orders(trains, ways, searched)
+        solutions += [_played(instance, trains, ways, order) for order in beams]
     return min(solutions, key=lambda solution: solution.objective_value, default=None)
 
 

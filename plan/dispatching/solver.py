@@ -83,7 +83,7 @@ def _search(
             dispatch.model.add_bool_or([~literal for literal in circle])
             continue
         found = _solution(instance, dispatch, solver)
-        if best.solution is not None and best.solution.objective_value < found.objective_value:
+        if best.solution is not None and best.solution.objective_value <= found.objective_value:
             found = best.solution
         return Answer(found, bound, impossible=False, work=work)
 

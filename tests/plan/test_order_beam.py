@@ -1,0 +1,132 @@
+"""What the best order begins with, where its question ends, and for how long anybody waits by it."""
+
+from __future__ import annotations
+
+import dataclasses
+import random
+
+import pytest
+from msgspec.structs import replace
+
+from plan.dispatching import asked
+from plan.dispatching.asked import answer_to
+from radio.messages import RouteGranted, RouteRefused
+from tests.plan.test_order_asked import ASKS_S
+from tests.plan.test_order_asked import asked as asked_play
+from tests.wayside.loop_line import Play, config_of
+from wayside import order, solved_order
+from wayside.config import OrderRule
+from wayside.journeys import Stands
+from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.solved_order import question_of
+
+STATIONS, LEG_S = 6, 400
+
+
+def many(seed: int, work: float) -> OrderQuestion:
+    """Eight trains that meet at every station of two tracks, 50 s to spare on each leg; two of them are late."""
+    chance = random.Random(seed)
+    late = chance.sample(range(8), 2)
+    trains: list[OrderTrain] = []
+    for k in range(8):
+        east, due_s, moves = k % 2 == 0, (k // 2) * 900 + (k % 2) * 450, list[OrderMove]()
+        stations = list(range(STATIONS))[:: 1 if east else -1]
+        place = [10 * s + (0 if east else 1) for s in stations]
+        for here, there, to in zip(stations, stations[1:], place[1:], strict=False):
+            section = 100 + min(here, there)
+            end = there == stations[-1]
+            moves.append(OrderMove((section, to), () if end else (to,), due_s, LEG_S, 30, due_s + LEG_S, end))
+            due_s += 450
+        ready_s = chance.randrange(300, 1500) if k in late else 0
+        trains.append(OrderTrain((), 0, (), ready_s, tuple(moves)))
+    return OrderQuestion(tuple(trains), (), 7200, work)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_it_begins_with_is_good_already(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The least that is proven by much work is there without any; begun with the plan's order it is far from there."""
+    least = answer_to(many(seed, 1.0))
+    assert least.delay_s == least.bound_s
+    assert answer_to(many(seed, 1e-9)).delay_s == least.delay_s
+    monkeypatch.setattr(asked, "BEAM", False)
+    assert answer_to(many(seed, 1e-9)).delay_s > 2 * least.delay_s
+
+
+def test_an_order_is_no_worse_than_those_it_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two want one line, 100 s long, the one planned first ready at once; the other, late already, counts: alone by the
+    order told of it is not later still.
+    """
+    monkeypatch.setattr(asked, "BEAM", False)
+    line = 5
+    early = OrderTrain((1,), 0, (1,), 0, (OrderMove((line, 2), (2,), 0, 100, 0, 1000, True),))
+    late = OrderTrain((3,), 0, (3,), 0, (OrderMove((line, 4), (4,), 10, 100, 0, 0, True),))
+    question = OrderQuestion((early, late), (), 7200, 1e-9)
+    assert answer_to(question).delay_s == 200
+    told = answer_to(replace(question, begins=((1,),)))
+    assert (told.order, told.delay_s) == ((1, 0), 110)
+
+
+def test_it_is_told_of_the_orders_among_which_least_delay_chooses() -> None:
+    """The fast train asks: it goes now, or after the slow one that is planned before it."""
+    play, questions = asked_play(), list[OrderQuestion]()
+
+    def solver(question: OrderQuestion) -> OrderAnswer:
+        questions.append(question)
+        return without_solver(question)
+
+    plan = dataclasses.replace(play.register.plan, solver=solver)
+    play.register = replace(play.register, plan=plan)
+    play.asks(2)
+    assert questions[0].begins == ((2,), (0,))
+
+
+@pytest.mark.parametrize("extends", [True, False])
+def test_a_train_that_goes_on_beyond_the_time_ahead_is_in_nobodys_way(
+    extends: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A set that was to pass a station of one track first comes late from its depot; another stands there, and goes on
+    after more than two hours by the plan. There is an order, as it need not stand there when the late one comes.
+    """
+    monkeypatch.setattr(solved_order, "EXTENDS", extends)
+    ways = [["0.1", "1.1", "2.1"], ["0.2", "1.1", "2.2"]]
+    given = config_of([2, 1, 2], ways, order=OrderRule.OPTIMAL, certificate=True)
+    times = [[(900.0, 60.0), (20_000.0, 60.0)], [(50.0, 60.0), (200.0, 60.0)]]
+    journeys = tuple(
+        replace(
+            journey,
+            moves=tuple(
+                replace(move, departs_s=at_s, arrives_s=at_s + lasts_s)
+                for move, (at_s, lasts_s) in zip(journey.moves, own, strict=True)
+            ),
+        )
+        for journey, own in zip(given.dispatch.journeys, times, strict=True)
+    )
+    play = Play(replace(given, dispatch=replace(given.dispatch, journeys=journeys)), ways, now_s=1000.0)
+    days = play.register.days
+    assert days is not None
+    stands = Stands((1, 0), (days.bits["1.1"], days.bits["0.2"]))
+    question = question_of(play.register, days, stands)
+    answer = answer_to(question)
+    assert [len(train.moves) for train in question.trains] == [int(extends), 2]
+    assert (answer.order == (0, 1, 1)) == (not answer.lacking) == extends
+
+
+@pytest.mark.parametrize("by_time", [True, False])
+def test_in_an_order_of_all_the_time_bounds_a_wait_and_not_how_many_go_before(
+    by_time: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The slow train waits for the fast one, however many others went before; a minute before its time, too."""
+    monkeypatch.setattr(order, "BY_TIME", by_time)
+    play = asked_play(hold_s_max=900.0)
+    assert isinstance(play.asks(0), RouteRefused)
+    often = replace(play.register.trip("u0"), overtaken=9)
+    play.register, play.now_s = play.register.with_trip("u0", often), ASKS_S + 840.0
+    assert isinstance(play.asks(0), RouteRefused if by_time else RouteGranted)
+
+
+def test_who_has_waited_as_long_as_may_be_goes_before_others() -> None:
+    """The fast train is first in the order, and does not go while the slow one has waited for 15 min."""
+    play = asked_play(hold_s_max=900.0)
+    assert isinstance(play.asks(0), RouteRefused)
+    play.now_s = ASKS_S + 900.0
+    assert isinstance(play.asks(2), RouteRefused)
