@@ -444,11 +444,9 @@ class UnitMotion:
             self._run(command, now_s)
         row.look_s, row.look_before_m = roads.look_s, self.crossings.start_m(roads.unless_on)
         self._found = False
-        row.position_trigger_m = math.inf if self._pace.timed is None else self._pace.timed.position_m
-        if not row.position_known:  # an estimate that nobody believes reaches nothing
-            return
-        row.position_trigger_m = min(row.position_trigger_m, self._fixes.ask_m)
-        if command.await_radio and self._mission is not None:
+        timed, ask_m = self._pace.timed, self._fixes.ask_m if row.position_known else math.inf
+        row.position_trigger_m = min(math.inf if timed is None else timed.position_m, ask_m)
+        if command.await_radio and row.position_known and self._mission is not None:
             covered_m = next_coverage_m(self._line, self._mission.path, row.position_m)
             row.position_trigger_m = min(row.position_trigger_m, covered_m)
 
