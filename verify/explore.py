@@ -79,7 +79,7 @@ def certificate_of(found: ExploredSpace) -> Certificate:
         expansion.bits,
         tuple(parties.made),
         grounds,
-        tuple(tuple(cells.keys.things) for cells in expansion.cells),
+        expansion.cells_in_states(),
         found.space.states.astype(">u8").tobytes(),
         found.ranks.astype(">u2").tobytes(),
     )

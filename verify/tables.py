@@ -38,6 +38,24 @@ class GrowingRows:
         return self._rows[: self._count, index]
 
 
+class NumbersInUse:
+    """Numbers of those numbers alone that are asked for, in the order in which they first are."""
+
+    def __init__(self) -> None:
+        self._of: Numbers = np.full(_FEW, -1, np.int64)
+        self.things: Numbers = np.zeros(0, np.int64)
+
+    def of(self, numbers: Numbers) -> Numbers:
+        """The number of each."""
+        while len(numbers) and len(self._of) <= int(numbers.max()):
+            self._of = np.concatenate((self._of, np.full_like(self._of, -1)))
+        fresh = np.unique(numbers[self._of[numbers] < 0])
+        if len(fresh):
+            self._of[fresh] = np.arange(len(self.things), len(self.things) + len(fresh))
+            self.things = np.concatenate((self.things, fresh))
+        return self._of[numbers]
+
+
 class Choices:
     """For each number a list of rows, found once, and laid out one behind another."""
 

@@ -49,6 +49,14 @@ def test_one_train_is_safe_and_leaves_a_line_that_is_free(budgets: Budgets) -> N
     assert found.holds, found.story
 
 
+@pytest.mark.nightly
+def test_persons_who_speak_truly_of_a_train_that_is_only_not_heard_must_hold_it() -> None:
+    """Nothing demands that yet (decision 286): it comes in on its grant, where by their word nobody is."""
+    found = explored(ExploredLine(trains=1, budgets=Budgets(loss=2, delay=2, word=1)))
+    assert found.broken == "free in a defined register, and a train stands in it"
+    assert found.story[-1] == "u1 enters"
+
+
 def test_a_command_that_is_repeated_can_throw_points_under_who_believes_their_proof() -> None:
     """Sent before the proof was heard, and carried out since that is withdrawn, which was lost."""
     line = ExploredLine(trains=1, budgets=Budgets(loss=1, delay=1, points=1))
