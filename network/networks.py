@@ -25,11 +25,13 @@ def has_second(line: Line) -> bool:
     return any(alignment.of_networks for alignment in line.alignments.values())
 
 
-@lru_cache(maxsize=16)
 def with_first_alone(line: Line) -> Line:
     """The line for trains that have a radio of its first network alone."""
-    if not has_second(line):
-        return line
+    return _with_first_alone(line) if has_second(line) else line
+
+
+@lru_cache(maxsize=16)
+def _with_first_alone(line: Line) -> Line:
     alone = {
         name: replace(a, coverage=a.of_networks[0] if a.of_networks else a.coverage, of_networks=())
         for name, a in line.alignments.items()
