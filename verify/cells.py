@@ -12,7 +12,7 @@ from verify import tokens
 from verify.explored_line import BIT, TERMINALS, UnwishedFor, mask_of
 from verify.happening import GuardKind
 from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind, renaming
-from verify.tables import Choices, GrowingRows, Once
+from verify.tables import Choices, GrowingRows, NumbersInUse, Once
 from verify.terminal import LIES
 from verify.train import PEERS, TrainPlace
 
@@ -45,6 +45,7 @@ class TrainCells:
         self._unit: Final = unit
         self._grounds: Final = grounds
         self.keys: Final = Numbered[CellKey]()
+        self.in_states: Final = NumbersInUse()  # most cells only come between two states
         self.effects: Final = Numbered[Sends]()
         self.said: Final = Numbered[tuple[int, int]]()
         self.rows: Final = GrowingRows(NEEDS + len(TERMINALS))
@@ -59,6 +60,10 @@ class TrainCells:
         self.anew: Final = Once(self._anew, 1, CELL_BITS, TOKEN_BITS)
         self.effects.number(())
         self.number(0, ((),) * WAYS, 0)
+
+    def named(self) -> tuple[CellKey, ...]:
+        """Those that are part of a state, as states number them."""
+        return tuple(self.keys.things[number] for number in map(int, self.in_states.things))
 
     def number(self, train: int, air: Air, granted: int) -> int:
         """The number of a cell, with its correlations counted anew."""

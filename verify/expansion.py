@@ -37,7 +37,6 @@ from verify.cells import (
     SEEN_OR_SHOWN,
     SPEAKS,
     TOKEN_BITS,
-    CellKey,
     TrainCells,
 )
 from verify.columns import Block, Columns, Which
@@ -45,7 +44,7 @@ from verify.explored_line import ANY, TERMINALS, UnwishedFor, mask_of
 from verify.happening import GuardKind
 from verify.parties import ExploredParties, LocalEvent, Numbered, Sends, StepKind
 from verify.search import Keys
-from verify.tables import Choices, GrowingRows, Numbers, NumbersInUse, Once
+from verify.tables import Choices, GrowingRows, Numbers, Once
 from verify.terminal import lie_code
 
 MANAGER_BITS, TERMINAL_BITS, LEFT_BITS = 20, 14, 12
@@ -73,9 +72,6 @@ class Expansion:
         self.grounds: Final = Numbered[tuple[bool, tuple[int, ...], tuple[int, ...]]]()
         self.lefts: Final = Numbered[tuple[int, ...]]()
         self.cells: Final = tuple(TrainCells(parties, unit, self.grounds) for unit in self._units)
-        self.in_states: Final = tuple(
-            NumbersInUse() for _ in self._units
-        )  # most cells only come between two states
         self._bits: Final = Numbered[int]()
         self._managers: Final = GrowingRows(HOLDS + len(self._units))
         self._terminals: Final = tuple(GrowingRows(2) for _ in TERMINALS)
@@ -124,7 +120,7 @@ class Expansion:
         """States as numbers."""
         ground = self._ground(columns.manager, *columns.terminals, columns.left)[:, 0]
         keys = np.zeros(len(ground), np.int64)
-        cells = (known.of(numbers) for known, numbers in zip(self.in_states, columns.cells, strict=True))
+        cells = (of.in_states.of(numbers) for of, numbers in zip(self.cells, columns.cells, strict=True))
         for numbers, bits in zip((ground, *cells), self.bits, strict=True):
             if len(numbers) and int(numbers.max()) >> bits:
                 raise OverflowError(f"more than 2 ** {bits} parts of states: a state does not fit 64 bits")
@@ -139,15 +135,8 @@ class Expansion:
             numbers = numbers >> bits
         ground, *cells = parts
         manager, *terminals, left = (self._ground_rows.column(i)[ground] for i in range(2 + len(TERMINALS)))
-        in_states = zip(self.in_states, cells, strict=True)
-        return Columns(
-            manager, tuple(terminals), left, tuple(known.things[cell] for known, cell in in_states)
-        )
-
-    def cells_in_states(self) -> tuple[tuple[CellKey, ...], ...]:
-        """By train, the cells that are part of a state, as states number them."""
-        of_trains = zip(self.cells, self.in_states, strict=True)
-        return tuple(tuple(cells.keys.things[n] for n in known.things) for cells, known in of_trains)
+        numbered = tuple(of.in_states.things[n] for of, n in zip(self.cells, cells, strict=True))
+        return Columns(manager, tuple(terminals), left, numbered)
 
     def _ground_of(self, *key: int) -> tuple[int]:
         number = self.ground_keys.number(key)

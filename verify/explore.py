@@ -79,7 +79,7 @@ def certificate_of(found: ExploredSpace) -> Certificate:
         expansion.bits,
         tuple(parties.made),
         grounds,
-        expansion.cells_in_states(),
+        tuple(cells.named() for cells in expansion.cells),
         found.space.states.astype(">u8").tobytes(),
         found.ranks.astype(">u2").tobytes(),
     )

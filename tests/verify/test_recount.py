@@ -63,7 +63,7 @@ def test_it_finds_by_halves_as_many_successors_as_the_search(trains: int) -> Non
     source, _, _ = expansion.following(keys)
     lefts = expansion.lefts.things
     grounds = [(key[:-1], lefts[key[-1]]) for key in expansion.ground_keys.things]
-    halves = Halves(parties, grounds, expansion.cells_in_states())
+    halves = Halves(parties, grounds, [cells.named() for cells in expansion.cells])
     parts, numbers = list[NDArray[np.int64]](), keys.astype(np.int64)
     for bits in reversed(expansion.bits):
         parts.append(numbers & (1 << bits) - 1)
@@ -71,8 +71,8 @@ def test_it_finds_by_halves_as_many_successors_as_the_search(trains: int) -> Non
     *cells, ground = parts
     found = list(halves.following(ground, cells[::-1]))
     assert np.array_equal(np.sort(np.concatenate([f.source for f in found])), np.sort(source))
-    for named, known, cells in zip(expansion.cells_in_states(), halves.cells, expansion.cells, strict=True):
-        assert set(named) <= set(known) <= set(cells.keys.things)
+    for known, cells in zip(halves.cells, expansion.cells, strict=True):
+        assert set(cells.named()) <= set(known) <= set(cells.keys.things)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.7])
