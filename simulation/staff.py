@@ -281,9 +281,11 @@ class Staff:
 
     def _see_to_batteries(self, t_s: float) -> None:
         """Bring a generator to a set that stands where nothing charges it, without the charge to go on."""
-        for slot in () if self._charging is None else self._trains.active():
+        if (charging := self._charging) is None:
+            return
+        for slot in self._trains.active():
             unit_id = self._trains.stock_ids[slot]
-            if self._charging is None or not self._charging.helpless(slot):
+            if not charging.helpless(slot):
                 self._from_s.pop((Pause.REACH, unit_id), None)
             elif self._ripe(Pause.REACH, unit_id, t_s):
                 self._act(t_s, ActKind.BRING_POWER, unit_id, STAFF)

@@ -52,9 +52,8 @@ _DIGEST_COMMENT: Final = re.compile(rb"<!-- branchline plain XML blake2b ([0-9a-
 _COMMENT: Final = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
 _HEAD_BYTES: Final = 512
 NETS_KEPT: Final = 8
-_NETS: Final[
-    dict[str, bytes]
-] = {}  # those asked for last, by the digest of their plain XML, the latest at the end
+# Those asked for last, by the digest of their plain XML, the latest at the end.
+_NETS: Final[dict[str, bytes]] = {}
 
 
 def build_net(line: Line) -> bytes:

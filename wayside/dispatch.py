@@ -184,7 +184,7 @@ class _Weighing:
         kept, sought = register.kept, register.sought
         leads = kept is not None and kept.leads_from(stands)
         again = sought is not None and sought.at_places(stands)
-        if kept is not None and leads and kept.until_s == inf:
+        if kept is not None and kept.finishes_from(stands):
             return self._known(kept)
         if sought is not None and (again or leads) and sought.lasts(register.now_s):
             return self._known(kept) if kept is not None and leads else None

@@ -228,6 +228,10 @@ class LastCertificate(msgspec.Struct, frozen=True):
         """Whether it is of these places."""
         return (self.at, self.holds) == (stands.at, stands.holds)
 
+    def finishes_from(self, stands: Stands) -> bool:
+        """Whether it leads all stock from these places to the end of the day."""
+        return self.leads_from(stands) and self.until_s == inf
+
 
 class LastSearch(msgspec.Struct, frozen=True):
     """The last search that found no order of the whole day: from which places, with how many steps, what it found

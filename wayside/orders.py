@@ -75,7 +75,7 @@ def _proven(register: Register) -> Register | None:
         return None
     stands = stands_of(register, register.days)
     kept = register.kept
-    if kept is not None and kept.leads_from(stands) and kept.until_s == inf:
+    if kept is not None and kept.finishes_from(stands):
         return register
     found = finishing_order(stands.trains(register.days), STEPS_MAX)
     if found.proof is not CertificateProof.ORDER:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Final
 
@@ -83,13 +83,11 @@ def moves_ahead(register: Register, days: Days, stands: Stands) -> list[int]:
     """How many of its next moves each stock is asked about: all that are planned to begin in time, and as many more as
     an order for the day has before the last of these, where after these alone they could not all stand.
     """
-    until_s = register.now_s + AHEAD_S
-    planned = [len(train.ahead) for train in stands.trains(days, until_s)]
-    if not EXTENDS or finishing_order(stands.trains(days, until_s)).proof is CertificateProof.ORDER:
+    in_time = stands.trains(days, register.now_s + AHEAD_S)
+    planned = [len(train.ahead) for train in in_time]
+    if not EXTENDS or finishing_order(in_time).proof is CertificateProof.ORDER:
         return planned
-    kept = register.kept
-    order: Sequence[int] = ()
-    if kept is not None and kept.leads_from(stands) and kept.until_s == math.inf:
+    if (kept := register.kept) is not None and kept.finishes_from(stands):
         order = kept.order
     else:
         order = finishing_order(stands.trains(days)).order

@@ -65,7 +65,7 @@ class BatteryGauge:
     @property
     def charges(self) -> bool:
         """Whether the set stands at a charger that works, or has been brought a generator."""
-        return self._control.power_w > 0.0 or self._control.brought_w > 0.0
+        return self._control.power_w > 0.0 or self._brought
 
     @property
     def full(self) -> bool:
@@ -75,12 +75,16 @@ class BatteryGauge:
     @property
     def up(self) -> bool:
         """Whether the pantograph is up, or the generator's cable is in."""
-        return bool(self._control.pantograph == UP) or self._control.brought_w > 0.0
+        return bool(self._control.pantograph == UP) or self._brought
 
     @property
     def connected(self) -> bool:
         """Whether the pantograph is not down, or the generator's cable is in."""
-        return self._control.pantograph != DOWN or self._control.brought_w > 0.0
+        return self._control.pantograph != DOWN or self._brought
+
+    @property
+    def _brought(self) -> bool:
+        return self._control.brought_w > 0.0
 
     def has_j(self, at_s: float) -> float:
         """What will be available at a time, J."""

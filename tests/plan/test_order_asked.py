@@ -109,6 +109,19 @@ def asked(*, solved: bool = True, **dispatch: object) -> Play:
     return play
 
 
+def questions_of(play: Play) -> list[OrderQuestion]:
+    """What the manager asks from now on; nobody has an answer."""
+    questions = list[OrderQuestion]()
+
+    def solver(question: OrderQuestion) -> OrderAnswer:
+        questions.append(question)
+        return without_solver(question)
+
+    plan = dataclasses.replace(play.register.plan, solver=solver)
+    play.register = replace(play.register, plan=plan)
+    return questions
+
+
 def test_its_reason_is_a_sentence() -> None:
     """In the best order the slow train is 861 s late, the fast one 181 s, the third 1 s: 17 min in all."""
     play = asked()
@@ -208,14 +221,8 @@ def test_each_train_of_a_stock_counts_where_it_ends() -> None:
 
 
 def test_it_is_asked_only_where_one_is_late_and_others_want_the_line_and_once_a_minute() -> None:
-    play, questions = asked(), list[OrderQuestion]()
-
-    def solver(question: OrderQuestion) -> OrderAnswer:
-        questions.append(question)
-        return without_solver(question)
-
-    plan = dataclasses.replace(play.register.plan, solver=solver)
-    play.register = replace(play.register, plan=plan)
+    play = asked()
+    questions = questions_of(play)
     for play.now_s, count in ((100.0, 0), (339.0, 0), (340.0, 1), (399.0, 1), (400.0, 2)):
         play.hear(
             0,

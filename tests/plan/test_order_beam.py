@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import random
 
 import pytest
@@ -11,13 +10,13 @@ from msgspec.structs import replace
 from plan.dispatching import asked
 from plan.dispatching.asked import answer_to
 from radio.messages import RouteGranted, RouteRefused
-from tests.plan.test_order_asked import ASKS_S
+from tests.plan.test_order_asked import ASKS_S, questions_of
 from tests.plan.test_order_asked import asked as asked_play
 from tests.wayside.loop_line import Play, config_of
 from wayside import order, solved_order
 from wayside.config import OrderRule
 from wayside.journeys import Stands
-from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, without_solver
+from wayside.order_question import OrderMove, OrderQuestion, OrderTrain
 from wayside.solved_order import question_of
 
 STATIONS, LEG_S = 6, 400
@@ -68,14 +67,8 @@ def test_an_order_is_no_worse_than_those_it_is_told_of(monkeypatch: pytest.Monke
 
 def test_it_is_told_of_the_orders_among_which_least_delay_chooses() -> None:
     """The fast train asks: it goes now, or after the slow one that is planned before it."""
-    play, questions = asked_play(), list[OrderQuestion]()
-
-    def solver(question: OrderQuestion) -> OrderAnswer:
-        questions.append(question)
-        return without_solver(question)
-
-    plan = dataclasses.replace(play.register.plan, solver=solver)
-    play.register = replace(play.register, plan=plan)
+    play = asked_play()
+    questions = questions_of(play)
     play.asks(2)
     assert questions[0].begins == ((2,), (0,))
 
