@@ -463,9 +463,8 @@ HAZARDS: Final = (
 REMAINING: Final = (
     "Two persons who agree on the same wrong word about a silent unit, while its train runs at speed: drivers see each"
     " other, but from more than 60 km/h 200 m do not suffice.",
-    "Two persons who say truly where a silent train stands whose unit is alive and holds a route: what lies beyond is"
-    " free for a train on sight, and it may still go there. They must hold it; nothing demands that yet"
-    " (`branchline verify explore 2/2/0/1 --trains 1`).",
+    "Two persons who see where a train stands that is only not heard, and leave out what its unit shows that it holds:"
+    " that is free for a train on sight, and it may still go there (decision 286).",
     "Two trains in one section after such a word: both stand and say why, and people must part them.",
     "A crew that passes points without looking, while their unit has no position: handling outside the system"
     " (section 4.4 (3) of the paper).",

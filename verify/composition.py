@@ -164,10 +164,11 @@ class Composition:
                 continue
             if event.about >= 0:
                 view = self.view(state, event.about)
-                if event.quiet and state.cells[event.about].air[1]:
+                hears = bool(state.cells[event.about].air[1])
+                if event.quiet and hears:
                     continue
-                stands = view.seen_or_shown if event.quiet else view.occupied
-                true = (event.corrects or not view.speaks) and stands == event.stands
+                may = not view.speaks or (event.corrects and not hears)
+                true = may and view.seen_or_shown == event.stands
                 if true is not (event.trouble is UnwishedFor.NONE):
                     continue
             trouble = event.trouble or _delay(queue for cell in state.cells for queue in cell.air[:2])

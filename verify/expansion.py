@@ -256,11 +256,11 @@ class Expansion:
         about, near = column(ABOUT), np.zeros(len(source), bool)
         for unit, cells in enumerate(self.cells):
             cell = states.cells[unit][source]
-            speaks, seen_in, shown = (cells.rows.column(c)[cell] for c in (SPEAKS, OCCUPIED, SEEN_OR_SHOWN))
-            true = (speaks == 0) | (column(CORRECTS) != 0)
-            true &= np.where(column(QUIET) != 0, shown, seen_in) == column(STANDS)
-            may &= (about != unit) | (true == (column(TROUBLE) == UnwishedFor.NONE))
+            speaks, shown = (cells.rows.column(c)[cell] for c in (SPEAKS, SEEN_OR_SHOWN))
             oldest = cells.rows.column(OLDEST)[cell]
+            true = (speaks == 0) | ((column(CORRECTS) != 0) & (oldest == NEVER))
+            true &= shown == column(STANDS)
+            may &= (about != unit) | (true == (column(TROUBLE) == UnwishedFor.NONE))
             early = oldest < self._managers.column(EPOCH)[states.manager[source]]
             may &= (about != unit) | (column(QUIET) == 0) | (oldest == NEVER)
             may &= (column(WORD) == 0) | ~early

@@ -49,7 +49,9 @@ class UnwishedFor(IntEnum):
     LOSS = 1  # a telegram is lost, overtaken, or older than the age limit
     DELAY = 2  # a body moves, a person acts or a timer runs out at a party while a telegram from or to it is on the air
     POWER = 3  # of a unit, the manager or a terminal
-    WORD = 4  # a person's word that is not true, or about a unit that speaks for itself
+    WORD = (
+        4  # a person's word that is not true, says less than is shown, or is of a unit that speaks for itself
+    )
     POINTS = 5  # a throw that is not proven in time; a position or lock that is detected no more
     SENSOR = 6  # a position lost
     SET_BACK = 7  # a crew sets its route back
@@ -76,8 +78,8 @@ class ExploredLine(NamedTuple):
     when its timer says so, at any time; otherwise at once. `tag_between`: there is a tag where a train is whole in X,
     besides that of the arrival, and what tags prove is given back by this rule. `bars`: two persons may bar a unit at
     the manager, which counts as a wrong word, and unbar it; who speaks for a unit there waits until nothing to it is on
-    the air, and says too what it shows that it holds. `agree`: both persons say a wrong word together, which counts as
-    one, and so may free what a silent unit holds.
+    the air. `agree`: both persons say a wrong word together, which counts as one, and so may free what a silent unit
+    holds.
     """
 
     trains: int = 2

@@ -295,9 +295,10 @@ class Halves:
         for unit, facts in enumerate(self.of_cells):
             cell = cells[unit][source]
             may &= (word == 0) | (facts.column("oldest")[cell] >= epoch)
-            true = (corrects != 0) | (facts.column("speaks")[cell] == 0)
-            true &= np.where(quiet != 0, facts.column("shown")[cell], facts.column("stands")[cell]) == stands
-            may &= (about != unit) | (quiet == 0) | (facts.column("oldest")[cell] == _NEVER)
+            hears = facts.column("oldest")[cell] != _NEVER
+            true = (facts.column("speaks")[cell] == 0) | ((corrects != 0) & ~hears)
+            true &= facts.column("shown")[cell] == stands
+            may &= (about != unit) | (quiet == 0) | ~hears
             may &= (about != unit) | (true == (trouble == UnwishedFor.NONE))
             for at in range(len(PEERS)):
                 near |= (peer == at) & (facts.column(f"near{at}")[cell] != 0)

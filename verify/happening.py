@@ -36,10 +36,10 @@ class Happening(NamedTuple, Generic[S, M]):
     """What happens, the state after it, and telegrams by whom they are for.
 
     Of a train: `left`: it passes the boundary out; `locks`, `unlocks`: points, by terminal, that its crew locks by
-    hand, or gives back. Of the manager: `about`: the unit that a person speaks of, truly where its train stands in
-    `stands` and, unless that `corrects` what was said before, if it does not speak for itself; `word`: a person acts,
-    which takes effect only when no telegram of an earlier boot is on the air, nor, where it is `quiet`,
-    any to the unit that they speak of, who then look at what it shows that it holds, too.
+    hand, or gives back. Of the manager: `about`: the unit that a person speaks of, truly where `stands` is all that its
+    train stands in and that it shows to hold. Of a unit that speaks for itself that is true only where it `corrects`
+    what was said before, and no telegram to the unit is on the air. `word`: a person acts, which takes effect only when
+    no telegram of an earlier boot is on the air, nor, where it is `quiet`, any to the unit that they speak of.
     """
 
     name: str

@@ -287,15 +287,14 @@ class _Model:
                         yield _step(f"{name} == {of[-1]} && {quiet} && {self._true(event)}", then)
 
     def _true(self, event: LocalEvent) -> str:
-        """Whether what a person says is so, of a unit that does not speak for itself."""
+        """Whether what a person says is so; no telegram is under way then."""
         if event.about < 0:
             return "true"
         unit, model = event.about, self._parties.train_models[event.about]
-        stands = model.seen_or_shown if event.quiet else model.occupied
         so = [
             f"tr[{unit}] == {number}"
             for number, train in enumerate(self._parties.trains[unit].things)
-            if (event.corrects or not model.speaks(train)) and event.stands == stands(train)
+            if (event.corrects or not model.speaks(train)) and event.stands == model.seen_or_shown(train)
         ]
         return "(" + " || ".join(so or ["false"]) + ")"
 

@@ -365,7 +365,7 @@ SECOND_PERSON: Final = "a second person must say the same"
 _SECOND_PERSON: Final = f"it may be on the line; {SECOND_PERSON}"
 SPEAKS: Final = "it speaks for itself: no word counts"
 IN_STATION: Final = "a silent unit must stand in a station"  # for what it may hold yet to be freed
-_STILL_ASKED: Final = "the unit is still being asked; say it again if it stays silent"
+_STILL_ASKED: Final = "the unit is still being asked; if it stays silent, say it again with all that it shows"
 _Handler = Callable[[Register, Any], Step]
 
 UNIT_ACTS: Final[Mapping[tuple[LineState, UnitStanding, type], _Handler]] = MappingProxyType(

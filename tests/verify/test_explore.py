@@ -39,6 +39,7 @@ ONE_TRAIN = (
     Budgets(loss=1, power=1, points=1),
     Budgets(loss=1, delay=1, power=1, word=1),
     Budgets(loss=2, delay=2, power=2),
+    Budgets(loss=2, delay=2, word=1),
 )
 
 
@@ -47,14 +48,6 @@ def test_one_train_is_safe_and_leaves_a_line_that_is_free(budgets: Budgets) -> N
     """The next could come in."""
     found = explored(ExploredLine(trains=1, budgets=budgets))
     assert found.holds, found.story
-
-
-@pytest.mark.nightly
-def test_persons_who_speak_truly_of_a_train_that_is_only_not_heard_must_hold_it() -> None:
-    """Nothing demands that yet (decision 286): it comes in on its grant, where by their word nobody is."""
-    found = explored(ExploredLine(trains=1, budgets=Budgets(loss=2, delay=2, word=1)))
-    assert found.broken == "free in a defined register, and a train stands in it"
-    assert found.story[-1] == "u1 enters"
 
 
 def test_a_command_that_is_repeated_can_throw_points_under_who_believes_their_proof() -> None:
@@ -169,12 +162,15 @@ def test_a_unit_that_has_booted_at_its_mark_and_keeps_what_is_behind_can_lock_bo
     assert found.dead > 0
 
 
-@pytest.mark.nightly
-def test_a_unit_that_is_barred_as_it_may_enter_is_spoken_for_by_what_it_shows(
-    monkeypatch: pytest.MonkeyPatch,
+BARRED = ExploredLine(trains=1, budgets=Budgets(word=1), bars=True)
+NOT_HEARD = ExploredLine(trains=1, budgets=Budgets(loss=2, delay=2, word=1))
+
+
+@pytest.mark.parametrize("line", others_nightly((BARRED, BARRED._replace(trains=2), NOT_HEARD), [BARRED]))
+def test_who_speaks_for_a_unit_that_may_enter_says_what_it_shows(
+    line: ExploredLine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """People who see its train before the portal, and not that it may come in, free the portal under it."""
-    line = ExploredLine(budgets=Budgets(word=1), bars=True)
     assert explored(line).holds
     monkeypatch.setattr(ExploredTrain, "seen_or_shown", ExploredTrain.occupied)
     found = explored(line)
