@@ -183,6 +183,7 @@ HAZARDS: Final = (
                     "tests/host/test_store.py::test_a_store_is_blank_until_people_commission_it",
                     "tests/verify/test_kills.py::test_a_party_killed_at_any_point_leaves_nothing_and_the_day_ends",
                     "tests/verify/test_kills.py::test_one_that_is_stopped_for_a_while_changes_nothing",
+                    "tests/host/test_over_zenoh.py::test_a_process_of_an_earlier_boot_that_is_still_there_ends_the_run",
                 ),
             ),
             SafetyClaim(

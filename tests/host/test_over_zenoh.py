@@ -27,7 +27,7 @@ from host.over_zenoh import ZenohParties, answer_limit_s
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance
 from host.planes import Secrets, new_secrets, said_key, session_json5, time_key
-from host.process import PartyProcess, environment
+from host.process import PartyProcess, environment, last_words
 from radio.keys import KeyRing
 from tests.nightly import others_nightly
 from wayside.config import (
@@ -130,6 +130,33 @@ def test_a_foreign_reply_ends_the_run(
         _queryable = session.declare_queryable(time_key("line", "t"), reply)
         with pytest.raises(ForeignError, match="a foreign reply to the question to t"):
             parties.restart("t")
+
+
+def test_a_process_of_an_earlier_boot_that_is_still_there_ends_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two block managers at once: that of before was stopped as its successor began, and goes on."""
+    given: list[Secrets] = []
+
+    def drawn(keys: KeyRing) -> Secrets:
+        own = new_secrets(keys)
+        given.extend([own] if keys.owner == MANAGER_ID else [])
+        return own
+
+    monkeypatch.setattr(host.over_zenoh, "new_secrets", drawn)
+    spec = next(spec for spec in device_specs(MANAGER, [TERMINAL], MASTER) if spec.party_id == MANAGER_ID)
+    with zenoh_parties(tmp_path) as parties:
+        parties.kill(MANAGER_ID)
+        parties.restart(MANAGER_ID)
+        before = PartyProcess(spec, given[0], tmp_path / MANAGER_ID, parties.endpoint)
+        try:
+            with pytest.raises(ForeignError, match=f"{MANAGER_ID}: its code is not of this run"):
+                while "not our question" not in last_words(tmp_path / MANAGER_ID):
+                    parties.advance(MANAGER_ID, 0.0, [], TOLD)
+                for _ in range(ROUNDS):
+                    parties.advance(MANAGER_ID, 0.0, [], TOLD)
+        finally:
+            before.kill()
 
 
 def test_only_its_owner_can_reach_the_socket(parties: ZenohParties, tmp_path: Path) -> None:
