@@ -73,7 +73,8 @@ HAZARDS: Final = (
         "Two persons are wrong about a silent unit that is on the line",
         "a train with its radio cut is said to stand, or to have left, where it does not",
         "a place must be named, in a station; what no unit speaks for is locked until a train on sight has run through;"
-        " who is heard again and claims what another holds stops both, and has its points proven anew",
+        " who is heard again and claims what another holds stops both, and has its points proven anew; what a word"
+        " leaves out of what its unit shows is told",
         ("wayside.acts", "wayside.reentry", "onboard.authority.agreement", "simulation.world.crew"),
         (Checker.SUMO_COLLISION, Checker.INSIDE_HOLDING),
         (
@@ -82,6 +83,8 @@ HAZARDS: Final = (
             "rtri/53c_wrong_word_taken_back",
             "rtri/55_unit_dead_for_good",
             "rtri/135_proofs_of_before",
+            "rtri/139_who_speaks_says_what_is_shown",
+            "rtri/139b_who_speaks_says_what_is_seen",
         ),
     ),
     Hazard(

@@ -60,6 +60,7 @@ _NAMED: Final[Mapping[str, Callable[[Names], Collection[str]]]] = {
     "tag_id": lambda names: names.tags,
     "points_id": lambda names: names.points,
     "section_ids": lambda names: names.sections,
+    "unsaid_section_ids": lambda names: names.sections,
     "section_id": lambda names: names.sections,
     "before": lambda names: names.sections,
     "piece_id": lambda names: names.pieces,

@@ -219,12 +219,15 @@ class FaultOver(Noted, frozen=True, kw_only=True, tag="fault_over"):
 
 
 class Acted(Noted, frozen=True, kw_only=True, tag="act"):
-    """A person did something; its author is the person."""
+    """A person did something; its author is the person. `unsaid_section_ids`: of a word about a unit, what is not in it
+    and its train stands in, or the unit shows to its crew as held.
+    """
 
     act: str
     target: str
     section_ids: tuple[str, ...] = ()
     notch: int = 0
+    unsaid_section_ids: tuple[str, ...] = ()
 
 
 class ProcedureStep(Noted, frozen=True, kw_only=True, tag="procedure_step"):

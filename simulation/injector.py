@@ -223,7 +223,11 @@ class Injector:
     # people -------------------------------------------------------------------------------------------------
 
     def _act(self, act: Act) -> None:
-        acted = Acted(act=act.kind.value, target=act.target, section_ids=act.sections, notch=act.notch)
+        kind, sections = act.kind.value, act.sections
+        unsaid = self._unsaid(act) if act.kind in (ActKind.CONFIRM_OUTSIDE, ActKind.CONFIRM_HOLDING) else ()
+        acted = Acted(
+            act=kind, target=act.target, section_ids=sections, notch=act.notch, unsaid_section_ids=unsaid
+        )
         self._journal.write(self._step / STEPS_PER_S, act.person, acted)
         if act.kind in AT_CROSSING:
             self._act_at_crossing(act)
@@ -231,6 +235,13 @@ class Injector:
             self._act_at_equipment(act)
         elif self._by_role is not None:
             self._by_role(act, self._step)
+
+    def _unsaid(self, act: Act) -> tuple[str, ...]:
+        """What a word about a unit leaves out, along the line; of one without power only where its train stands."""
+        slot = self._trains.slot_of[act.target]
+        shown = () if slot in self._on_board.unpowered else self._on_board.shown_to_driver(slot).held
+        known = {*shown, *self._trains.sections_under().get(act.target, ())}.difference(act.sections)
+        return tuple(section_id for section_id in self._wayside.section_ids if section_id in known)
 
     def _act_at_equipment(self, act: Act) -> None:
         match act.kind:

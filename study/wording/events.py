@@ -96,7 +96,11 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     ),
     events.FaultBegan: EventWording("fault", phrase("{fault}")),
     events.FaultOver: EventWording("fault over", phrase("{fault} is over")),
-    events.Acted: EventWording("act", phrase("{acted}")),
+    events.Acted: EventWording(
+        "act",
+        phrase("{acted}{unsaid}"),
+        {"unsaid": phrase("; leaves out {}, where its train stands or which its unit shows as held")},
+    ),
     events.CameLate: EventWording(
         "late",
         phrase("{train} ({unit_id}) comes {late_s:.0f} s late to its portal"),
@@ -231,7 +235,8 @@ def _values(event: Noted, names: Names) -> dict[str, object]:
         case events.FaultBegan() | events.FaultOver():
             return {"fault": fault_text(event.kind, event.target, event.parameters)}
         case events.Acted():
-            return {"acted": act_text(event.act, "", event.target, event.section_ids, notch=event.notch)}
+            acted = act_text(event.act, "", event.target, event.section_ids, notch=event.notch)
+            return {"acted": acted, "unsaid": Phrase(", ".join(event.unsaid_section_ids))}
         case events.ProcedureStep(step=step, block=block, train=train):
             fields["says"] = says_text(step, block, train)
         case events.DoorsHeld():

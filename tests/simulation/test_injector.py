@@ -15,7 +15,7 @@ from network.model import Position
 from onboard.duty.records import DrivingCommand
 from radio.air import Delivery
 from simulation.agenda import Agenda
-from simulation.events import WORLD, FaultBegan, FaultOver, PointsMoving
+from simulation.events import WORLD, Acted, FaultBegan, FaultOver, PointsMoving
 from simulation.faults.devices import LostStore, PowerCut, Restart
 from simulation.faults.fault import InForce
 from simulation.faults.links import (
@@ -71,14 +71,18 @@ class World:
         self.hauled: list[str] = []
         shown = [DrivingCommand(on_line=True, held=("3", "5")), DrivingCommand(on_line=False, held=("PW",))]
         on_board: Any = SimpleNamespace(
-            shown_to_driver=shown.__getitem__, uncommissioned={0}, lose_store=self.lost.append
+            shown_to_driver=shown.__getitem__,
+            unpowered=set[int](),
+            uncommissioned={0},
+            lose_store=self.lost.append,
         )
+        self.unpowered, self.under = on_board.unpowered, dict[str, frozenset[str]]()
         self.wayside: Any
         trains: Any = SimpleNamespace(
             stock_ids=("K1", "K2"),
             slot_of={"K1": 0, "K2": 1},
             tag_faults={},
-            sections_under=dict,
+            sections_under=lambda: self.under,
             setup=SimpleNamespace(people=people, seed=seed, today=()),
         )
         self.trains, self.tag_faults = trains, trains.tag_faults
@@ -338,6 +342,29 @@ def test_a_controller_accepts_the_gathered_claims_once_nothing_is_missing() -> N
     assert world.inputs == []
     world.run_to(420)
     assert world.inputs == [("block-manager", AcceptPicture("Sato"))]
+
+
+@pytest.mark.parametrize(
+    ("act", "sections", "unsaid"),
+    [
+        (ActKind.CONFIRM_HOLDING, ("3", "5"), ()),
+        (ActKind.CONFIRM_HOLDING, ("3",), ("5",)),
+        (ActKind.CONFIRM_OUTSIDE, (), ("3", "5")),
+        (ActKind.TAKE_BACK, (), ()),
+    ],
+)
+def test_what_a_word_leaves_out_is_told(
+    act: ActKind, sections: tuple[str, ...], unsaid: tuple[str, ...]
+) -> None:
+    """Of what its unit shows; of one without power, of what its train stands in."""
+    says = [Act(act, "K1", Trigger(at_s=at_s), "staff", sections) for at_s in (1.0, 2.0)]
+    world = World(*says)
+    world.run_to(10)
+    world.unpowered.add(0)
+    world.under["K1"] = frozenset({"3"})
+    world.run_to(20)
+    told = [e.event.unsaid_section_ids for e in world.journal.entries if isinstance(e.event, Acted)]
+    assert told == [unsaid, tuple(section_id for section_id in unsaid if section_id == "3")]
 
 
 def test_other_acts_reach_whom_they_are_meant_for() -> None:

@@ -142,6 +142,11 @@ def counts_no_train_out(patch: pytest.MonkeyPatch) -> None:
 
 
 @switch
+def nobody_knows_what_is_left_out(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(injector.Injector, "_unsaid", lambda _self, _act: ())
+
+
+@switch
 def one_person_suffices(patch: pytest.MonkeyPatch) -> None:
     def entered(register: Register, unit_id: str) -> frozenset[str] | None:
         return reentry.entered_for(register, unit_id) if reentry.words_for(register, unit_id) else None

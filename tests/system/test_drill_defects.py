@@ -396,6 +396,11 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "131_ends_early_late": ("obeys_whenever", "T2 is not ended, and nobody is told that it cannot be"),
         "132_route_back_late": ("obeys_whenever", "it answers nothing"),
         "138_left_out_late": ("obeys_whenever", "T3 is not ended, and nobody is told that it cannot be"),
+        "139_who_speaks_says_what_is_shown": (
+            "leaves_the_line_unswept",
+            "and locked but for trains on sight",
+        ),
+        "139b_who_speaks_says_what_is_seen": ("nobody_knows_what_is_left_out", "what they leave out is told"),
         "134_terminus_under_authority": (
             "waits_for_units_to_end_trains",
             "T2 is back at A by the pilot's leave, while the block manager is off",
