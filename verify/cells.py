@@ -5,7 +5,7 @@ the ground makes of it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Final
 
 from verify import tokens
@@ -58,9 +58,6 @@ class TrainCells:
         self.forgets: Final = Once(self._forgets, 1, CELL_BITS)
         self.in_use: Final = Numbered[int]()
         self.anew: Final = Once(self._anew, 1, CELL_BITS, TOKEN_BITS)
-        # Cells are many times as many as trains and telegrams.
-        self._of_train: Final = cache(self._columns_of_train)
-        self._token_of: Final = cache(lambda t: tokens.of_telegram(parties.telegrams.things[t]))
         self.effects.number(())
         self.number(0, ((),) * WAYS, 0)
 
@@ -92,44 +89,35 @@ class TrainCells:
         return cell
 
     def _row(self, number: int, air: Air, granted: int) -> Sequence[int]:
-        telegrams = self._parties.telegrams.things
-        occupied, held, speaks, finished, in_use, seen_or_shown, *needs = self._of_train(number)
-        for telegram in (t for queue in air for t in queue):
-            in_use |= self._token_of(telegram)
-        heads = [air[2 * peer][0] if air[2 * peer] else -1 for peer in range(len(PEERS))]
-        return (
-            number,
-            granted,
-            self.said.number((heads[0], granted)) if heads[0] >= 0 else -1,
-            occupied,
-            held,
-            speaks,
-            finished,
-            in_use,
-            min((telegrams[t].epoch for t in air[1]), default=NEVER),
-            seen_or_shown,
-            *(bool(air[2 * peer] or air[2 * peer + 1]) for peer in range(len(PEERS))),
-            *heads,
-            *needs,
-        )
-
-    def _columns_of_train(self, number: int) -> tuple[int, ...]:
-        model, train = self._parties.train_models[self._unit], self._parties.trains[self._unit].things[number]
+        telegrams, model = self._parties.telegrams.things, self._parties.train_models[self._unit]
+        train = self._parties.trains[self._unit].things[number]
         authority, occupied = train.duty.authority, model.occupied(train)
         knows = train.power and train.place is not TrainPlace.GONE
+        held = mask_of(authority.held) if knows and (authority.on_line or authority.leaving) else HELD_UNKNOWN
         needs = {
             needed.terminal_id: LIES[needed.position]
             for span in model.plan(train).spans
             if occupied & BIT[span.section_id]
             for needed in span.points
         }
+        in_use = tokens.of_train(train)
+        for telegram in (t for queue in air for t in queue):
+            in_use |= tokens.of_telegram(telegrams[telegram])
+        heads = [air[2 * peer][0] if air[2 * peer] else -1 for peer in range(len(PEERS))]
+        said = self.said.number((heads[0], granted)) if heads[0] >= 0 else -1
         return (
+            number,
+            granted,
+            said,
             occupied,
-            mask_of(authority.held) if knows and (authority.on_line or authority.leaving) else HELD_UNKNOWN,
+            held,
             model.speaks(train),
             train.place is TrainPlace.GONE and not authority.perhaps_on_line,
-            tokens.of_train(train),
+            in_use,
+            min((telegrams[t].epoch for t in air[1]), default=NEVER),
             model.seen_or_shown(train),
+            *(bool(air[2 * peer] or air[2 * peer + 1]) for peer in range(len(PEERS))),
+            *heads,
             *(needs.get(terminal, 0) for terminal in TERMINALS),
         )
 
