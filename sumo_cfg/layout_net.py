@@ -15,7 +15,7 @@ from exchange.sumo_net import NORMAL_AT
 from network.errors import InputError
 from network.files.json_input import write_bytes_aside
 from sumo_cfg.build import convert
-from sumo_cfg.writer import EDGE_SPEED_MPS, PlainXml
+from sumo_cfg.writer import EDGE_SPEED_MPS, PlainXml, document_of
 
 _UNFIT: Final = re.compile(r"[^A-Za-z0-9._#~-]")
 
@@ -63,7 +63,7 @@ def plain_of(layout: ForeignLayout) -> PlainXml:
     for origin, target in sorted(set(_movements(layout))):
         attributes = {"from": origin, "to": target, "fromLane": "0", "toLane": "0"}
         ET.SubElement(connections, "connection", attributes)
-    return PlainXml(*(_document(root) for root in (nodes, edges, connections)))
+    return PlainXml(*(document_of(root) for root in (nodes, edges, connections)))
 
 
 def write_layout_net(layout: ForeignLayout, out: Path) -> None:
@@ -121,9 +121,3 @@ def _into(end: tuple[LayoutTrack, bool]) -> str:
 
 def _out_of(end: tuple[LayoutTrack, bool]) -> str:
     return sumo_id(end[0].id) + ("-" if end[1] else "+")
-
-
-def _document(root: ET.Element) -> bytes:
-    ET.indent(root)
-    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
-    return text + b"\n"

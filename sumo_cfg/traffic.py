@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from sumo_cfg.writer import document_of
+
 ROUTES_XSD: Final = "http://sumo.dlr.de/xsd/routes_file.xsd"
 CONFIG_XSD: Final = "http://sumo.dlr.de/xsd/sumoConfiguration.xsd"
 STEP_S: Final = 0.5
@@ -110,7 +112,7 @@ def routes_xml(types: Sequence[VehicleType], vehicles: Sequence[SumoVehicle]) ->
         ET.SubElement(element, "route", edges=" ".join(vehicle.edges))
         for stop in vehicle.stops:
             ET.SubElement(element, "stop", _stop(stop))
-    return _document(root)
+    return document_of(root)
 
 
 def config_xml(name: str, begin_s: float, end_s: float, routes: Sequence[str]) -> bytes:
@@ -145,7 +147,7 @@ def config_xml(name: str, begin_s: float, end_s: float, routes: Sequence[str]) -
         element = ET.SubElement(root, section)
         for option, value in options.items():
             ET.SubElement(element, option, value=value)
-    return _document(root)
+    return document_of(root)
 
 
 def _stop(stop: VehicleStop) -> dict[str, str]:
@@ -169,9 +171,3 @@ def _root(name: str, schema: str) -> ET.Element:
             "xsi:noNamespaceSchemaLocation": schema,
         },
     )
-
-
-def _document(root: ET.Element) -> bytes:
-    ET.indent(root)
-    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
-    return text + b"\n"

@@ -177,7 +177,7 @@ def _nodes_xml(places: Mapping[str, Array]) -> bytes:
         x, y, z = map(_millimetres, place)
         # Unregulated: authority is the on-board units' alone, SUMO must not make trains yield.
         ET.SubElement(root, "node", id=node_id, x=x, y=y, z=z, type="unregulated")
-    return _document(root)
+    return document_of(root)
 
 
 def _edges_xml(line: Line, shapes: Mapping[str, Array], places: Mapping[str, Array]) -> bytes:
@@ -203,7 +203,7 @@ def _edges_xml(line: Line, shapes: Mapping[str, Array], places: Mapping[str, Arr
             edge = ET.SubElement(root, "edge", attributes)
             ET.SubElement(edge, "param", key="piece", value=piece_id)
             ET.SubElement(edge, "param", key="section", value=piece.section_id)
-    return _document(root)
+    return document_of(root)
 
 
 def _connections_xml(line: Line) -> bytes:
@@ -211,7 +211,7 @@ def _connections_xml(line: Line) -> bytes:
     for origin, target in movements(line):
         # Without lanes named, netconvert drops turnarounds that are not at a dead end.
         ET.SubElement(root, "connection", {"from": origin, "to": target, "fromLane": "0", "toLane": "0"})
-    return _document(root)
+    return document_of(root)
 
 
 def _shape_text(points: Iterable[Array]) -> str:
@@ -223,7 +223,8 @@ def _millimetres(coordinate_m: float) -> str:
     return f"{round(float(coordinate_m), 3) + 0.0:.3f}"
 
 
-def _document(root: ET.Element) -> bytes:
+def document_of(root: ET.Element) -> bytes:
+    """An XML file of it, a line for each element."""
     ET.indent(root)
     text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"

@@ -6,8 +6,10 @@ processes may share it. A file that is cut short, damaged or renamed is as good 
 
 from __future__ import annotations
 
+import fcntl
 import os
 from collections.abc import Iterable
+from contextlib import AbstractContextManager, nullcontext
 from hashlib import blake2b
 from pathlib import Path
 from typing import Final
@@ -59,6 +61,16 @@ class CodeStore:
         except OSError:
             return
         self._drop_old(name)
+
+    def alone(self, name: str) -> AbstractContextManager[object]:
+        """Make a piece of that name while no other process does; at once where nothing is kept, or nothing locked."""
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            lock = (self.folder / f"{name}.lock").open("ab")
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        except OSError:
+            return nullcontext()
+        return lock
 
     def _drop_old(self, name: str) -> None:
         """Delete the pieces of a name that were not used for longest."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import sys
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from types import FunctionType
 from typing import Final
@@ -70,6 +71,12 @@ class Entry(registry.CPUDispatcher):
         self.inner = Inner(function, options)
         self._cache = StoredCode(self, store)
 
+    def compile(self, sig: Types) -> object:
+        """Its machine code for these types of arguments; two processes that need it make it once."""
+        with ExitStack() as alone:
+            self._cache.alone = alone
+            return super().compile(sig)
+
     def get_call_template(self, args: Types, kws: dict[str, types.Type]) -> object:
         """What compiled code that calls it is typed by."""
         return self.inner.get_call_template(args, kws)
@@ -119,6 +126,7 @@ class StoredCode:
 
     def __init__(self, entry: Entry, store: CodeStore) -> None:
         self.cache_path = str(store.folder)
+        self.alone = ExitStack()  # what it is made under
         self._entry = entry
         self._store = store
 
@@ -127,6 +135,17 @@ class StoredCode:
         rtsys.initialize(
             target
         )  # what machine code allocates by; what the compiler knows it loads when it compiles
+        if (kept := self._kept(sig, target)) is not None:
+            return kept
+        reached = Reached(self._entry.py_func).functions
+        for function in reached:
+            if function in Inner.all:
+                Inner.all[function].renew()
+        begin_piece(self._name, len(reached))
+        self.alone.enter_context(self._store.alone(self._name))
+        return self._kept(sig, target)
+
+    def _kept(self, sig: Types, target: CPUContext) -> compiler.CompileResult | None:
         triple, *processor = target.codegen().magic_tuple()
         for found in (processor, GENERIC):
             data = self._store.read(self._name, self._key(sig, triple, *found))
@@ -134,11 +153,6 @@ class StoredCode:
                 called, reduced = pickle.loads(data)
                 lazy_binding.make_cells(called)
                 return compiler.CompileResult._rebuild(target, *reduced)
-        reached = Reached(self._entry.py_func).functions
-        for function in reached:
-            if function in Inner.all:
-                Inner.all[function].renew()
-        begin_piece(self._name, len(reached))
         return None
 
     def save_overload(self, sig: Types, cres: compiler.CompileResult) -> None:

@@ -67,6 +67,8 @@ class TrainCells:
 
     def number(self, train: int, air: Air, granted: int) -> int:
         """The number of a cell, with its correlations counted anew."""
+        if (as_it_is := self.keys.known((train, air, granted))) is not None:
+            return as_it_is
         telegrams = self._parties.telegrams.things
         numbers = self._parties.trains[self._unit].things[train].numbers
         carried = {t: telegrams[t].correlation for queue in air for t in queue}

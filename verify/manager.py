@@ -29,9 +29,8 @@ from verify.explored_line import (
     sections_of,
 )
 from verify.happening import Happening
-from verify.on_air import InAir, opened
+from verify.on_air import InAir, opened, sealed
 from wayside import acts, reentry
-from wayside.actions import Action, Send
 from wayside.barring import person_key
 from wayside.block_manager import AskUnits, Event, Heard, step, wake_at_s
 from wayside.register import Register, UnitStanding, start
@@ -197,19 +196,11 @@ class ManagerModel:
     def _took(self, state: ManagerState, event: Event, unit: int = -1, now_s: float = LATE_S) -> ManagerStep:
         before = state.kept.register
         after, actions = step(before, event, now_s)
-        sends = self._sealed(state, actions)
+        sends = sealed(self.units, state.epoch, state.heard, actions)
         granted = any(isinstance(sent.message, RouteGranted) for _, sent in sends)
         bad = GRANTED_IN_DOUBT if granted and not before.defined else state.bad
         correlation = after.unit(self.units[unit]).correlation if unit >= 0 else 0
         return ManagerStep(state._replace(kept=plain(after), bad=bad), sends, correlation)
-
-    def _sealed(self, state: ManagerState, actions: tuple[Action, ...]) -> tuple[tuple[int, InAir], ...]:
-        sends = [action for action in actions if isinstance(action, Send)]
-        units = [self.units.index(send.destination) for send in sends]
-        return tuple(
-            (unit, InAir(state.epoch, state.heard[unit], send.correlation, send.message))
-            for unit, send in zip(units, sends, strict=True)
-        )
 
     def _asks(self, state: ManagerState) -> Iterator[ManagerEvent]:
         if wake_at_s(state.kept.register) is not None:

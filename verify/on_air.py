@@ -8,12 +8,14 @@ older than the age limit is lost too. `tests/verify/test_on_air.py` compares bot
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
 import msgspec
 
 from radio.envelope import AGE_MAX_S, DropReason, Envelope, Peer, Received, check
 from radio.messages import AnyMessage
+from wayside.actions import Action, Send
 
 _NOTHING: Final = msgspec.Raw(b"")
 
@@ -25,6 +27,18 @@ class InAir(NamedTuple):
     peer_epoch: int
     correlation: int
     message: AnyMessage
+
+
+def sealed(
+    units: Sequence[str], epoch: int, heard: Sequence[int], actions: Iterable[Action]
+) -> tuple[tuple[int, InAir], ...]:
+    """What a party on the wayside sends by these actions, and to which unit; `heard`: the boot of each unit."""
+    return tuple(
+        (unit, InAir(epoch, heard[unit], action.correlation, action.message))
+        for action in actions
+        if isinstance(action, Send)
+        for unit in (units.index(action.destination),)
+    )
 
 
 def opened(source: str, telegram: InAir, own_epoch: int, heard_epoch: int) -> Received | DropReason:

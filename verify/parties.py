@@ -37,6 +37,10 @@ class Numbered(Generic[T]):
         self.things: Final[list[T]] = []
         self._numbers: Final[dict[T, int]] = {}
 
+    def known(self, thing: T) -> int | None:
+        """The number of a thing; None where it has none."""
+        return self._numbers.get(thing)
+
     def number(self, thing: T) -> int:
         """The number of a thing."""
         found = self._numbers.get(thing)

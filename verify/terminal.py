@@ -23,8 +23,8 @@ from verify.explored_line import (
     terminal_config,
 )
 from verify.happening import Happening
-from verify.on_air import InAir, opened
-from wayside.actions import Action, Drive, Send
+from verify.on_air import InAir, opened, sealed
+from wayside.actions import Drive
 from wayside.point_terminal import (
     Commanded,
     Expired,
@@ -163,7 +163,7 @@ class TerminalModel:
     def _took(self, state: TerminalState, event: TerminalEvent, now_s: float) -> TerminalStep:
         terminal, actions = step(state.kept.terminal, event, now_s)
         state = state._replace(kept=plain(terminal))
-        sends = self._sealed(state, actions)
+        sends = sealed(self.units, state.epoch, state.heard, actions)
         for action in actions:
             if isinstance(action, Drive) and isinstance(action.output, StartThrow | StopThrow):
                 moved = self._driven(state, action.output)
@@ -176,14 +176,6 @@ class TerminalModel:
         if state.by_hand:
             return TerminalStep(state)
         return self._shown(state._replace(lies=None, throws=output.position))
-
-    def _sealed(self, state: TerminalState, actions: tuple[Action, ...]) -> tuple[tuple[int, InAir], ...]:
-        sends = [action for action in actions if isinstance(action, Send)]
-        units = [self.units.index(send.destination) for send in sends]
-        return tuple(
-            (unit, InAir(state.epoch, state.heard[unit], send.correlation, send.message))
-            for unit, send in zip(units, sends, strict=True)
-        )
 
 
 def lie_code(state: TerminalState) -> int:

@@ -30,7 +30,7 @@ from host.scratch import scratch
 from network.model import Direction
 from simulation.carriers.carrier import Carrier, Truth
 from simulation.carriers.sumo import edge_id
-from study.evaluate.afresh import budget_of, figures_afresh
+from study.evaluate.afresh import budget_of, in_rounds
 from study.evaluate.optimum_bench import bench_optimum
 
 WAYS: Final = ("sumo", "simulated", "zenoh")
@@ -331,12 +331,8 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
     with scratch("branchline-bench-") as folder:
         tell(f"recording {scenario}")
         recording = record(scenario, folder)
-        figures: dict[str, list[dict[str, Any]]] = {way: [] for way in WAYS}
-        for number in range(rounds):
-            for way in WAYS:
-                tell(f"{scenario}, round {number + 1} of {rounds}: {NAMES[way]}")
-                words = (way, scenario, str(recording.file), str(recording.net))
-                figures[way].append(figures_afresh("study.evaluate.bench", NAMES[way], *words))
+        kept = str(recording.file), str(recording.net)
+        figures = in_rounds("study.evaluate.bench", NAMES, rounds, tell, scenario, *kept)
     budget = BUSY_BUDGET if recording.trains >= BUSY_TRAINS else BUDGET
     tell(f"{scenario}: a run of least energy")
     return {

@@ -26,7 +26,7 @@ from simulation.settings import PositionSensor
 from simulation.setup import STEP_S, Setup
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
-from study.evaluate.afresh import budget_of, figures_afresh
+from study.evaluate.afresh import Figures, budget_of, in_rounds, walls_of
 from study.runner.run import PartyLink, execute
 
 SLOT: Final = 0
@@ -84,34 +84,19 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
     """The median of a fix, and medians of wall time of both days with their ratio. `tell` gets what goes on."""
     found_ms, shifts = fix_ms(scenario)
     tell(f"{scenario}: one fix over {shifts} shifts takes {found_ms:.3f} ms")
-    figures: dict[str, list[dict[str, Any]]] = {what: [] for what in CARRIED}
-    for number in range(rounds):
-        for what in CARRIED:
-            tell(f"{scenario}, round {number + 1} of {rounds}: {what} on every train")
-            figures[what].append(figures_afresh("study.evaluate.collation", what, what, scenario))
+    ways = {what: f"{what} on every train" for what in CARRIED}
+    figures = in_rounds("study.evaluate.collation", ways, rounds, tell, scenario)
     return {"scenario": scenario, "rounds": rounds, "shifts": shifts} | report(found_ms, figures)
 
 
-def report(found_ms: float, figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+def report(found_ms: float, figures: Figures) -> dict[str, Any]:
     """What the figures of all rounds come to: a row each, and the budgets with whether they are kept."""
-    median = {what: statistics.median(f["wall_s"] for f in rounds) for what, rounds in figures.items()}
-    ratio = round(median[WITH] / median[WITHOUT], 3)
-    rows = [
-        {
-            "carries": what,
-            "wall_s": round(median[what], 3),
-            "wall_s_min": round(min(f["wall_s"] for f in rounds), 3),
-            "wall_s_max": round(max(f["wall_s"] for f in rounds), 3),
-            "of_tags": round(median[what] / median[WITHOUT], 3),
-        }
-        for what, rounds in figures.items()
-    ]
+    found = walls_of(figures, "carries", "of_tags")
     budgets = [
         budget_of("ms of one fix", FIX_MS_MAX, round(found_ms, 4)),
-        budget_of(f"{WITH} of {WITHOUT}", RATIO_MAX, ratio),
+        budget_of(f"{WITH} of {WITHOUT}", RATIO_MAX, found["rows"][1]["of_tags"]),
     ]
-    same = all(len({f["digest"] for f in rounds}) == 1 for rounds in figures.values())
-    return {"rows": rows, "same_digest": same, "budgets": budgets}
+    return found | {"budgets": budgets}
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ before what is timed, so that compiled code is loaded; what is timed is the run,
 from __future__ import annotations
 
 import json
-import statistics
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,7 +16,7 @@ from onboard.driving.laws.optimal import optimal
 from onboard.driving.laws.table import LAW_NAMES
 from scenario.law_choice import driven_by
 from scenario.scenario import load_scenario
-from study.evaluate.afresh import budget_of, figures_afresh
+from study.evaluate.afresh import Figures, budget_of, in_rounds, walls_of
 from study.runner.run import PartyLink, execute
 
 COMPARED: Final = (LAW_NAMES[0], optimal.__name__)
@@ -36,32 +35,16 @@ def run_child(law: str, scenario: str) -> dict[str, Any]:
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
     """Medians of wall time of both laws, and their ratio. `tell` gets what goes on."""
     load_scenario(scenario)  # an unknown name is an error before anything runs
-    figures: dict[str, list[dict[str, Any]]] = {law: [] for law in COMPARED}
-    for number in range(rounds):
-        for law in COMPARED:
-            tell(f"{scenario}, round {number + 1} of {rounds}: {law} on every train")
-            figures[law].append(figures_afresh("study.evaluate.laws", law, law, scenario))
+    ways = {law: f"{law} on every train" for law in COMPARED}
+    figures = in_rounds("study.evaluate.laws", ways, rounds, tell, scenario)
     return {"scenario": scenario, "rounds": rounds} | report(figures)
 
 
-def report(figures: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+def report(figures: Figures) -> dict[str, Any]:
     """What the figures of all rounds come to: a row a law, and the budget with whether it is kept."""
-    present = COMPARED[0]
-    median = {law: statistics.median(f["wall_s"] for f in rounds) for law, rounds in figures.items()}
-    ratio = round(median[COMPARED[1]] / median[present], 3)
-    rows = [
-        {
-            "law": law,
-            "wall_s": round(median[law], 3),
-            "wall_s_min": round(min(f["wall_s"] for f in rounds), 3),
-            "wall_s_max": round(max(f["wall_s"] for f in rounds), 3),
-            "of_present": round(median[law] / median[present], 3),
-        }
-        for law, rounds in figures.items()
-    ]
-    budget = budget_of(f"{COMPARED[1]} of {present}", RATIO_MAX, ratio)
-    same = all(len({f["digest"] for f in rounds}) == 1 for rounds in figures.values())
-    return {"rows": rows, "same_digest": same, "budgets": [budget]}
+    found = walls_of(figures, "law", "of_present")
+    ratio = found["rows"][1]["of_present"]
+    return found | {"budgets": [budget_of(f"{COMPARED[1]} of {COMPARED[0]}", RATIO_MAX, ratio)]}
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Final
 import psutil
 
 from host.scratch import scratch
-from study.evaluate.afresh import budget_of, figures_afresh
+from study.evaluate.afresh import budget_of, figures_afresh, in_rounds
 from study.evaluate.bench import record, replay
 
 if TYPE_CHECKING:
@@ -132,13 +132,8 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
     with scratch("branchline-bench-") as folder:
         tell(f"recording {scenario}")
         recording = record(scenario, folder)
-        figures: dict[str, list[dict[str, Any]]] = {way: [] for way in WAYS}
-        for number in range(rounds):
-            for way in WAYS:
-                tell(f"{scenario}, round {number + 1} of {rounds}: {way}")
-                figures[way].append(
-                    figures_afresh(MODULE, way, way, scenario, str(recording.file), str(recording.net))
-                )
+        kept = str(recording.file), str(recording.net)
+        figures = in_rounds(MODULE, dict(zip(WAYS, WAYS, strict=True)), rounds, tell, scenario, *kept)
     jobs = psutil.cpu_count() or 1
     tell(f"{scenario}: a sweep of {jobs * SWEPT_DAYS} days by {jobs} processes")
     ran = figures_afresh(MODULE, "sweep", "sweep", scenario, str(jobs), str(jobs * SWEPT_DAYS))

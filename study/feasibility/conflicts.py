@@ -89,7 +89,7 @@ def _finding(
     between = next((c for c in found if _kind_of(line, c) is SectionKind.BETWEEN), None)
     worst = found[0]
     if portal is not None:
-        return _at_portal(portal)
+        return _one_after_another(FindingKind.PORTAL, portal)
     first, second = worst.trains
     opposing = first.direction is not second.direction
     if meet is not None and opposing:
@@ -98,10 +98,10 @@ def _finding(
             return _meeting(line, worst, meet)
         return _on_track(line, _on_a_track(line, found, station.id) or worst, by_section)
     if between is not None and (severity(between) is not Severity.TIGHT or between is worst):
-        return _follows(between) if not opposing else _towards(between)
+        return _one_after_another(FindingKind.OPPOSING if opposing else FindingKind.FOLLOWING, between)
     if _kind_of(line, worst) is SectionKind.TRACK:
         return _on_track(line, worst, by_section)
-    return _crossing(worst)
+    return _one_after_another(FindingKind.CROSSING, worst)
 
 
 def _kind_of(line: Line, clash: HoldingConflict) -> SectionKind:
@@ -160,26 +160,6 @@ def _meeting(line: Line, clash: HoldingConflict, meet: PlannedMeet) -> Finding:
     )
 
 
-def _towards(clash: HoldingConflict) -> Finding:
-    """Opposing trains that do not quite meet on paper, but want the same stretch at a time."""
-    first, second = clash.trains
-    text = (
-        f"{second.number} is to leave at {_until(clash.begins_s)} into {clash.section_id}, where"
-        f" {first.number} comes the other way until {_until(clash.first.to_s)}"
-    )
-    return _one_after_another(FindingKind.OPPOSING, clash, text, f"{second.number} leaves")
-
-
-def _follows(clash: HoldingConflict) -> Finding:
-    """One train behind another, into a stretch that is not free yet."""
-    first, second = clash.trains
-    text = (
-        f"{second.number} is to follow {first.number} at {_until(clash.begins_s)} into {clash.section_id},"
-        f" which is taken until {_until(clash.first.to_s)}"
-    )
-    return _one_after_another(FindingKind.FOLLOWING, clash, text, f"{second.number} leaves")
-
-
 def _on_track(line: Line, clash: HoldingConflict, by_section: Mapping[str, list[Hold]]) -> Finding:
     """A train is to come to a track, or to leave for it, that another still has."""
     first, second = clash.trains
@@ -205,29 +185,32 @@ def _on_track(line: Line, clash: HoldingConflict, by_section: Mapping[str, list[
     return Finding(kind, severity(clash), trains, place, time_s, text, remedy, _short(clash))
 
 
-def _crossing(clash: HoldingConflict) -> Finding:
-    first, second = clash.trains
-    text = (
-        f"{second.number} is to go over the points of {clash.section_id} from {_until(clash.begins_s)};"
-        f" {first.number} has them until {_until(clash.first.to_s)}"
-    )
-    return _one_after_another(FindingKind.CROSSING, clash, text, f"{second.number} goes")
+# Of two trains that want a section at a time: how it is said, and what the second does later.
+WAITS: Final = {
+    FindingKind.OPPOSING: (  # they do not quite meet on paper
+        "{second} is to leave at {begins} into {section}, where {first} comes the other way until {until}",
+        "leaves",
+    ),
+    FindingKind.FOLLOWING: (
+        "{second} is to follow {first} at {begins} into {section}, which is taken until {until}",
+        "leaves",
+    ),
+    FindingKind.CROSSING: (
+        "{second} is to go over the points of {section} from {begins}; {first} has them until {until}",
+        "goes",
+    ),
+    FindingKind.PORTAL: (
+        "{second} needs the portal {section} from {begins}, and {first} is in it until {until}",
+        "goes",
+    ),
+}
 
 
-def _at_portal(clash: HoldingConflict) -> Finding:
-    first, second = clash.trains
-    text = (
-        f"{second.number} needs the portal {clash.section_id} from {_until(clash.begins_s)}, and"
-        f" {first.number} is in it until {_until(clash.first.to_s)}"
-    )
-    what = f"{second.number} comes" if second.duty.enters else f"{second.number} goes"
-    return _one_after_another(FindingKind.PORTAL, clash, text, what)
-
-
-def _one_after_another(kind: FindingKind, clash: HoldingConflict, text: str, what: str) -> Finding:
-    """Two trains that want a section at a time: the second has to wait, and `what` it does comes later."""
-    remedy = _later(clash, what)
-    numbers = _numbers(*clash.trains)
-    return Finding(
-        kind, severity(clash), numbers, clash.section_id, clash.begins_s, text, remedy, _short(clash)
-    )
+def _one_after_another(kind: FindingKind, clash: HoldingConflict) -> Finding:
+    (first, second), (text, does) = clash.trains, WAITS[kind]
+    if kind is FindingKind.PORTAL and second.duty.enters:
+        does = "comes"
+    begins, until, section = _until(clash.begins_s), _until(clash.first.to_s), clash.section_id
+    text = text.format(first=first.number, second=second.number, begins=begins, until=until, section=section)
+    trains, remedy = _numbers(first, second), _later(clash, f"{second.number} {does}")
+    return Finding(kind, severity(clash), trains, section, clash.begins_s, text, remedy, _short(clash))

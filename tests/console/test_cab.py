@@ -13,7 +13,6 @@ from scenario.scenario import load_scenario
 from study.wording.phrase import names_of
 from verify.lone_unit import PLANS, ExploredRun, first, steps
 
-NAMES = names_of(load_scenario("karasuyama_weekday").setup.line)
 ENGLISH = re.compile(r"[a-z]{3,}")
 STATES = 1_500
 
@@ -92,8 +91,9 @@ def test_so_is_the_level_crossing_for_which_a_train_stands() -> None:
 
 def test_stations_go_by_their_names_in_the_language_of_the_reader() -> None:
     """下野花岡 is SHN in the line's file, and B stands for a station of another line."""
-    said = wait_text("its run to SHN", NAMES)
+    names = names_of(load_scenario("karasuyama_weekday").setup.line)
+    said = wait_text("its run to SHN", names)
     assert (said.en, said.in_("ja")) == ("its run to Shimotsuke-Hanaoka", "下野花岡までの走行")
-    needs = wait_text(f"what takes it to SHN: {NoCharge('OGN', 1e7, 2e7, True).words}", NAMES)
+    needs = wait_text(f"what takes it to SHN: {NoCharge('OGN', 1e7, 2e7, True).words}", names)
     assert "下野花岡まで" in needs.in_("ja") and "大金" in needs.in_("ja")
-    assert wait_text("its run to B", NAMES).in_("ja") == "Bまでの走行"
+    assert wait_text("its run to B", names).in_("ja") == "Bまでの走行"

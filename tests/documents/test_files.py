@@ -30,11 +30,8 @@ def rows() -> Iterator[tuple[str, tuple[str, ...]]]:
                 yield from ((f"{kind.model.__name__} {heading}", row) for row in found)
 
 
-def test_there_is_a_page_for_each_kind_of_file_and_it_is_what_the_schema_says() -> None:
-    made = dict(pages())
-    assert {file.stem for file in made} == {"files", "ranges", *(kind.name for kind in FILES)}
-    for file, text in made.items():
-        assert file.read_text("utf-8") == text, "make docs"
+def test_there_is_a_page_for_each_kind_of_file() -> None:
+    assert {file.stem for file in dict(pages())} == {"files", "ranges", *(kind.name for kind in FILES)}
 
 
 def test_every_key_has_a_meaning() -> None:

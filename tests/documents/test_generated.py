@@ -4,10 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from documents import generated, interlocking
+from documents import generated
 from documents.generated import differences, main
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_a_stale_file_is_named_with_its_lines(
@@ -37,12 +35,3 @@ def test_a_file_that_was_never_committed_is_stale(
 def test_differences_are_lines_of_both_sides() -> None:
     assert differences("same\nold\nsame\n", "same\nnew\nsame\n") == ["-old", "+new"]
     assert differences("same\n", "same\n") == []
-
-
-def test_the_part_that_only_runs_can_tell_is_cut_out_whole() -> None:
-    """So the quick comparison sees every line of the page but these, and the whole page is made of both."""
-    page = (ROOT / interlocking.FILE).read_text("utf-8")
-    runs = interlocking.runs_in(page)
-    assert "sequenceDiagram" in runs
-    assert "### Block manager" not in runs
-    assert interlocking.document(runs).count(runs.strip()) == 1

@@ -1,17 +1,9 @@
-from pathlib import Path
-
 from documents.journal import document
 from simulation.events import EVENTS
-
-WRITTEN = Path(__file__).resolve().parents[2] / "docs/journal.md"
 
 
 def row(word: str) -> str:
     return next(line for line in document().splitlines() if line.startswith(f"| `{word}` |"))
-
-
-def test_the_document_is_what_the_types_say() -> None:
-    assert WRITTEN.read_text(encoding="utf-8") == document(), "run `make docs`"
 
 
 def test_every_event_has_its_row() -> None:

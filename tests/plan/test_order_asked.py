@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import subprocess
+from collections.abc import Sequence
 from typing import Final
 
 import msgspec
@@ -45,9 +46,8 @@ SLOW_S, FAST_S, STAYS_S, AGAIN_S = 600.0, 60.0, 20.0, 5.0
 SLOW_DUE_S, THIRD_DUE_S, FAST_DUE_S = 100.0 + SLOW_S, 900.0 + FAST_S, 800.0 + FAST_S
 
 
-def config(rule: OrderRule, **dispatch: object) -> ManagerConfig:
-    given = config_of(TRACKS, WAYS, order=rule, certificate=True, **dispatch)
-    times = [[(100.0, SLOW_S)], [(900.0, FAST_S)], [(720.0, FAST_S), (800.0, FAST_S)]]
+def planned_at(given: ManagerConfig, times: Sequence[Sequence[tuple[float, float]]]) -> ManagerConfig:
+    """With every move of each stock at its time, for as long as it lasts."""
     journeys = tuple(
         replace(
             journey,
@@ -59,6 +59,12 @@ def config(rule: OrderRule, **dispatch: object) -> ManagerConfig:
         for journey, own in zip(given.dispatch.journeys, times, strict=True)
     )
     return replace(given, dispatch=replace(given.dispatch, journeys=journeys))
+
+
+def config(rule: OrderRule, **dispatch: object) -> ManagerConfig:
+    given = config_of(TRACKS, WAYS, order=rule, certificate=True, **dispatch)
+    times = [[(100.0, SLOW_S)], [(900.0, FAST_S)], [(720.0, FAST_S), (800.0, FAST_S)]]
+    return planned_at(given, times)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from plan.dispatching import asked
 from plan.dispatching.asked import answer_to
 from radio.messages import RouteGranted, RouteRefused
-from tests.plan.test_order_asked import ASKS_S, questions_of
+from tests.plan.test_order_asked import ASKS_S, planned_at, questions_of
 from tests.plan.test_order_asked import asked as asked_play
 from tests.wayside.loop_line import Play, config_of
 from wayside import order, solved_order
@@ -84,17 +84,7 @@ def test_a_train_that_goes_on_beyond_the_time_ahead_is_in_nobodys_way(
     ways = [["0.1", "1.1", "2.1"], ["0.2", "1.1", "2.2"]]
     given = config_of([2, 1, 2], ways, order=OrderRule.OPTIMAL, certificate=True)
     times = [[(900.0, 60.0), (20_000.0, 60.0)], [(50.0, 60.0), (200.0, 60.0)]]
-    journeys = tuple(
-        replace(
-            journey,
-            moves=tuple(
-                replace(move, departs_s=at_s, arrives_s=at_s + lasts_s)
-                for move, (at_s, lasts_s) in zip(journey.moves, own, strict=True)
-            ),
-        )
-        for journey, own in zip(given.dispatch.journeys, times, strict=True)
-    )
-    play = Play(replace(given, dispatch=replace(given.dispatch, journeys=journeys)), ways, now_s=1000.0)
+    play = Play(planned_at(given, times), ways, now_s=1000.0)
     days = play.register.days
     assert days is not None
     stands = Stands((1, 0), (days.bits["1.1"], days.bits["0.2"]))

@@ -13,18 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from study.sweep.digest import CODE
+
 ROOT: Final = Path(__file__).resolve().parents[2]
-PACKAGES: Final = (
-    "network",
-    "sumo_cfg",
-    "vehicle",
-    "radio",
-    "onboard",
-    "wayside",
-    "host",
-    "simulation",
-    "study",
-)
+PACKAGES: Final = (*(part for part in CODE if "/" not in part), "study")
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """What is compiled is kept and found again, and a change of anything that it depends on is taken."""
 
+import fcntl
 import sys
 from collections.abc import Callable
 from cProfile import Profile
@@ -269,6 +270,23 @@ def test_whoever_shows_it_is_told_what_is_compiled(load: Load, monkeypatch: pyte
     pieces.clear()
     load().outer(3.0)
     assert pieces == []
+
+
+def test_what_another_process_makes_meanwhile_is_not_made_again(
+    load: Load, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits, others = load().outer, load().outer
+
+    def made_meanwhile(*_: object) -> None:
+        monkeypatch.setattr(fcntl, "flock", lambda *_: None)
+        others(3.0)
+
+    with CodeStore(tmp_path / "code").alone("law.outer"), (tmp_path / "code/law.outer.lock").open() as file:
+        with pytest.raises(BlockingIOError):
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        monkeypatch.setattr(fcntl, "flock", made_meanwhile)
+        waits(3.0)
+    assert (compilations(waits), compilations(others)) == (0, 1)
 
 
 def test_few_pieces_of_a_name_are_kept(tmp_path: Path) -> None:

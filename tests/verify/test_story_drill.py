@@ -55,7 +55,7 @@ def test_a_former_defect_falls_out_on_the_line_and_not_of_the_machines_as_they_a
 
 def test_what_the_line_does_not_break_is_no_drill(tmp_path: Path) -> None:
     """Of a defect that is not there when the line runs."""
-    found = found_with(COLLIDES[0], COLLIDES[1], collisions_alone=False)
+    found = found_with(UNDETECTED[0], UNDETECTED[1], collisions_alone=False)
     with pytest.raises(UntoldError, match="the line breaks no rule"):
         told_on_line(found, tmp_path / "story")
     assert list(tmp_path.iterdir()) == []

@@ -63,9 +63,25 @@ class Train:
         beyond_m = self.true_m - self.unit.position_m
         return float(max(beyond_m - self.unit.bound_ahead_m, -beyond_m - self.unit.bound_behind_m))
 
+    def most_out_m(self, error_m: float) -> float:
+        """Now, and in 20 s of fixes that err so."""
+        found_m = [self.out_m]
+        for _ in range(20):
+            self.second(error_m)
+            found_m.append(self.out_m)
+        return max(found_m)
+
     @property
     def half_m(self) -> float:
         return float(self.unit.bound_ahead_m + self.unit.bound_behind_m) / 2.0
+
+
+def with_fixes(unit: UnitRow, seconds: int) -> Train:
+    """A train with bounds of 60 m, after so many good fixes."""
+    train = Train(unit, 60.0)
+    for _ in range(seconds):
+        train.second(0.0)
+    return train
 
 
 def test_a_borne_out_fix_under_an_open_sky_cuts_to_the_protection_level(unit: UnitRow) -> None:
@@ -199,16 +215,11 @@ def slide(train: Train, error_m: float) -> None:
 @pytest.mark.parametrize("forgives", [False, True])
 def test_a_lie_that_comes_up_in_a_slide_is_in_the_interval(unit: UnitRow, forgives: bool) -> None:
     """Fixes fall back as much as the train slides on: they move as the wheels do. Forgiven, it would not be held."""
-    train = Train(unit, 60.0)
-    for _ in range(10):
-        train.second(0.0)
+    train = with_fixes(unit, 10)
     train.own.forgives = int(forgives)
     for second in range(1, 4):
         slide(train, -16.0 * second)
-    out_m = train.out_m
-    for _ in range(20):
-        train.second(-48.0)
-        out_m = max(out_m, train.out_m)
+    out_m = train.most_out_m(-48.0)
     assert (out_m > 5.0) is forgives
     assert forgives or out_m <= 0.0
 
@@ -216,16 +227,11 @@ def test_a_lie_that_comes_up_in_a_slide_is_in_the_interval(unit: UnitRow, forgiv
 @pytest.mark.parametrize("forgives", [False, True])
 def test_what_may_have_slid_is_no_room_for_a_lie_ahead(unit: UnitRow, forgives: bool) -> None:
     """Wheels slid by nothing of what they may have; then fixes jump ahead by as much, as if they had."""
-    train = Train(unit, 60.0)
-    for _ in range(10):
-        train.second(0.0)
+    train = with_fixes(unit, 10)
     train.own.forgives = int(forgives)
     unit.slid_ahead_m += 60.0
     unit.bound_ahead_m += 60.0
-    out_m = train.out_m
-    for _ in range(20):
-        train.second(50.0)
-        out_m = max(out_m, train.out_m)
+    out_m = train.most_out_m(50.0)
     assert (out_m > 5.0) is forgives
     assert forgives or out_m <= 0.0
 
@@ -236,16 +242,11 @@ def test_a_lie_that_comes_up_in_a_gap_is_in_the_interval(
     unit: UnitRow, open_sky: int | None, forgives: bool
 ) -> None:
     """Over a kilometre without an open sky wheels count 1 % too little, and fixes fall back by more than that."""
-    train = Train(unit, 60.0)
-    for _ in range(20):
-        train.second(0.0)
+    train = with_fixes(unit, 20)
     train.own.forgives, train.wheels = int(forgives), 0.99
     for _ in range(50):
         train.second(None if open_sky is None else -24.0, open_sky=open_sky or 0)
-    out_m = train.out_m
-    for _ in range(20):
-        train.second(-24.0)
-        out_m = max(out_m, train.out_m)
+    out_m = train.most_out_m(-24.0)
     assert (out_m > 2.0) is forgives
     assert forgives or out_m <= 0.0
 
@@ -287,9 +288,7 @@ ROOM_M = (reader.STEADY_SHARE + reader.WHEELS_SHARE) * PROTECTION_M
 
 def after_a_gap(unit: UnitRow, wheels: float = 1.0, forgives: bool = False) -> Train:
     """A receiver that is right before and after a kilometre without signals, in which wheels count so."""
-    train = Train(unit, 60.0)
-    for _ in range(20):
-        train.second(0.0)
+    train = with_fixes(unit, 20)
     train.own.forgives, train.wheels = int(forgives), wheels
     for _ in range(49):
         train.second(None)
@@ -351,12 +350,15 @@ def test_no_gap_is_what_a_few_missing_fixes_leave(unit: UnitRow) -> None:
     assert reader.lie_m(train.own, unit) == (0.0, 0.0)
 
 
-def test_bounds_that_others_make_narrow_give_back_what_a_slide_took(unit: UnitRow) -> None:
-    train = Train(unit, 60.0)
-    for _ in range(10):
-        train.second(0.0)
+def slid_thrice(unit: UnitRow) -> Train:
+    train = with_fixes(unit, 10)
     for _ in range(3):
         slide(train, 0.0)
+    return train
+
+
+def test_bounds_that_others_make_narrow_give_back_what_a_slide_took(unit: UnitRow) -> None:
+    train = slid_thrice(unit)
     low_m, high_m = reader.lie_m(train.own, unit)
     assert high_m - low_m > 2.0 * PROTECTION_M
     unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 2.0, 2.0
@@ -366,11 +368,7 @@ def test_bounds_that_others_make_narrow_give_back_what_a_slide_took(unit: UnitRo
 
 def test_fixes_that_went_on_with_a_slide_are_no_lie_behind(unit: UnitRow) -> None:
     """What may have slid did: fixes have gone ahead of the wheels by it, so they are not behind by it, too."""
-    train = Train(unit, 60.0)
-    for _ in range(10):
-        train.second(0.0)
-    for _ in range(3):
-        slide(train, 0.0)
+    train = slid_thrice(unit)
     low_m, high_m = reader.lie_m(train.own, unit)
     assert high_m - low_m == pytest.approx(48.0, abs=0.1)  # three times 16 m slid
     assert low_m > -16.0

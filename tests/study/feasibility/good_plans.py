@@ -13,7 +13,7 @@ from tests.study.feasibility.plans import Plan, line_of
 from tests.system.chaos.draw import Draw
 from tests.system.chaos.ground import Call, Planned
 from tests.system.chaos.lines import DrawnLine, drawn_line
-from tests.system.chaos.timetables import Stop
+from tests.system.chaos.timetables import Stop, mirrored
 
 FIRST_S = 9 * 3600
 ROOM_S = 20  # between two sets on anything
@@ -83,7 +83,7 @@ def _line(seed: int, draw: Draw) -> DrawnLine:
 
 def _trip(stock: str, drawn: DrawnLine, halts: frozenset[str], draw: Draw) -> Trip:
     """One set's day: from a portal or a track at one end, some times along the line, and off it or to stay."""
-    ways = {"down": list(drawn.stops), "up": _turned(drawn.stops)}
+    ways = {"down": list(drawn.stops), "up": mirrored(drawn.stops)}
     whole_minutes = draw.chance(0.5)
     direction = draw.one_of(("down", "up"))
     now_s = float(FIRST_S + draw.whole(0, 5400))
@@ -103,11 +103,6 @@ def _trip(stock: str, drawn: DrawnLine, halts: frozenset[str], draw: Draw) -> Tr
     if trip.stands_on:
         trip.wanted.append((trip.stands_on, trip.stands_from_s, math.inf))
     return trip
-
-
-def _turned(stops: tuple[Stop, ...]) -> list[Stop]:
-    runs = [0, *(stop.run_s for stop in reversed(stops[1:]))]
-    return [replace(stop, run_s=run_s) for stop, run_s in zip(reversed(stops), runs, strict=True)]
 
 
 def _run(

@@ -34,7 +34,7 @@ def trains_on(stops: Sequence[Stop], draw: Draw) -> list[Planned]:
     dead_end = any(stop.tracks < 2 for stop in (stops[0], stops[-1]))
     down = 1 if dead_end else draw.whole(0, 3)
     up = 1 if dead_end else draw.whole(max(0, 2 - down), 3 - down)
-    up_stops = _mirrored(stops)
+    up_stops = mirrored(stops)
     trains = _one_way(stops, "down", down, draw.of("down"))
     trains += _one_way(up_stops, "up", up, draw.of("up"))
     if not dead_end and draw.chance(0.35):
@@ -42,7 +42,7 @@ def trains_on(stops: Sequence[Stop], draw: Draw) -> list[Planned]:
     return trains
 
 
-def _mirrored(stops: Sequence[Stop]) -> list[Stop]:
+def mirrored(stops: Sequence[Stop]) -> list[Stop]:
     runs = [0, *(stop.run_s for stop in reversed(stops[1:]))]
     return [replace(stop, run_s=run_s) for stop, run_s in zip(reversed(stops), runs, strict=True)]
 
@@ -93,7 +93,7 @@ def _with_turn_back(trains: list[Planned], stops: Sequence[Stop], draw: Draw) ->
         return trains
     there = staying[-1]
     leaves_s = (there.calls[-1].arrival_s or 0) + draw.whole(120, 240)
-    calls = _calls(_mirrored(stops), "up", leaves_s, stands=True, stays=False, draw=draw)
+    calls = _calls(mirrored(stops), "up", leaves_s, stands=True, stays=False, draw=draw)
     calls = (replace(calls[0], track="1"), *calls[1:])
     back = Planned(
         there.stock, f"{there.number}B", "up", f"from:{there.number}", f"portal:{stops[0].portal}", calls
@@ -125,7 +125,7 @@ def _again(there: Planned, stops: Sequence[Stop], legs: int, draw: Draw) -> list
     for leg in range(legs):
         before = found[-1]
         direction = "up" if before.direction == "down" else "down"
-        way = stops if direction == "down" else _mirrored(stops)
+        way = stops if direction == "down" else mirrored(stops)
         stays = leg < legs - 1 or not way[-1].portal or draw.chance(0.5)
         leaves_s = (before.calls[-1].arrival_s or 0) + draw.whole(75, 160)
         calls = _calls(way, direction, leaves_s, stands=True, stays=stays, draw=draw)
