@@ -38,7 +38,7 @@ RUN_S: Final = 360.0
 STAYS_S: Final = 60.0
 LATE_S_MAX: Final = 1200.0
 US_MAX: Final = 1000.0
-DECISIONS: Final = 200  # by the order of all trains; most of them ask the solver nothing new
+DECISIONS: Final = 500  # by the order of all; most of them ask the solver nothing new
 US_DECIDED_MAX: Final = 1e6  # for any of these
 ASKED_MAX: Final = 200_000  # more, and the day is no bench any more
 
