@@ -155,7 +155,8 @@ def test_who_is_overdue_is_waited_for_while_that_is_worth_the_chance(
     came now and went first, the two would be 540 s less late; a minute waited in vain makes them 120 s later. So the
     slow one waits while 60 s of chance are worth it: 60 * 540 > overdue * 120, up to 270 s.
     """
-    monkeypatch.setattr(order, "LOOKS_ON", looks_on)
+    if not looks_on:
+        monkeypatch.setattr(order, "LOOKS_ON", False)
     config = config_of(TRACKS, WAYS, order=OrderRule.OPTIMAL)
     fast, slow = config.dispatch.journeys
     slow = replace(slow, moves=tuple(replace(m, arrives_s=m.departs_s + 600.0) for m in slow.moves))
@@ -176,7 +177,8 @@ def test_a_train_that_was_overdue_and_asks_is_news(
     let_on: bool, hears: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It was expected later when the order was made, and asks or was let on; else an order holds for its minute."""
-    monkeypatch.setattr(solved_order, "HEARS", hears)
+    if not hears:
+        monkeypatch.setattr(solved_order, "HEARS", False)
     ways = [["0.1", "1.1", "0.1"], ["1.2", "0.2"]]
     play, questions = play_of(OrderRule.OPTIMAL, ways), list[OrderQuestion]()
 
