@@ -293,6 +293,23 @@ def _due_s(move: Move) -> float:
     return move.due_s
 
 
+def could_leave_s(days: Days, stands: Stands, index: int, trip: DayProgress) -> float:
+    """When a stock can leave where its last move ends, as late as it left; at once, if it asks. s."""
+    at = stands.at[index]
+    if at == 0 or trip.asked_s is not None:
+        return trip.back_s
+    before = days.hops[index][at - 1]
+    return max(trip.back_s, before.arrives_s + trip.late_s + before.stays_s)
+
+
+def overdue_s(days: Days, stands: Stands, index: int, trip: DayProgress, held: int, now_s: float) -> float:
+    """For how long a stock that has not asked could have left, s. One that is on its way (`held`) is not overdue."""
+    at, hops = stands.at[index], days.hops[index]
+    if trip.asked_s is not None or at == len(hops) or held & ~stands.holds[index]:
+        return 0.0
+    return max(0.0, now_s - max(hops[at].departs_s, could_leave_s(days, stands, index, trip)))
+
+
 NEW: Final = DayProgress()
 UNKNOWN: Final = DayProgress(LOST)
 

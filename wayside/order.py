@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 
 from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import OrderRule
-from wayside.journeys import DayProgress, Days, PlannedMove, Stands
+from wayside.journeys import DayProgress, Days, PlannedMove, Stands, could_leave_s, overdue_s
 from wayside.moves import bits_of
 from wayside.order_question import LastOrder, OrderAnswer
 from wayside.register import Register
@@ -27,6 +27,9 @@ from wayside.register import Register
 AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
 BOUNDED = True  # off: a train waits for its turn for as long as the order has it
+GOES_FIRST = True  # off: who has waited as long as may be goes first, whether it could go or not
+LOOK_S: Final = 60.0  # assumed: for how long a train is held on the chance that another comes
+LOOKS_ON = True  # off: who is overdue is waited for only if it is worth it for as long again
 BY_TIME = True  # off: who was overtaken `overtaken_max` times goes first in an order of all trains, too
 GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
 
@@ -176,7 +179,8 @@ def _too_often(
         at, trip = _to_come(register, days, stands, other), register.trip(days.unit_ids[other])
         if other == index or at == len(hops) or not _bound_reached(register, days, trip, hops[at], order):
             continue
-        if hops[at].line & mine.line and hops[at].departs_s >= mine.departs_s:
+        first = hops[at].line & mine.line and hops[at].departs_s >= mine.departs_s
+        if first and _could_go(days, stands, other):
             found.append(_First(other, at, hops[at], _late_s(register, days, stands, other)))
     return found
 
@@ -190,6 +194,19 @@ def _bound_reached(
     if BY_TIME and order is not None and order.answer is not None:
         return _held_s(register, trip, hop) >= days.hold_s_max
     return trip.overtaken >= days.overtaken_max
+
+
+def _could_go(days: Days, stands: Stands, index: int) -> bool:
+    """Whether nothing but the order of trains keeps a stock from its next move: nobody stands there, and all can finish
+    afterwards.
+    """
+    if not GOES_FIRST:
+        return True
+    needs = stands.next_move(days, index).needs
+    if any(held & needs for other, held in enumerate(stands.holds) if other != index):
+        return False
+    after = stands.after(days, index).trains(days)
+    return not days.certificate or finishing_order(after, ORDER_STEPS).proof is CertificateProof.ORDER
 
 
 def _held_s(register: Register, trip: DayProgress, hop: PlannedMove) -> float:
@@ -218,11 +235,17 @@ def _before(
     waits, goes = f"{train} waits for {ahead}", f"order changed: {train} goes before {ahead}"
     if coming is None:
         return Precedence(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
-    if BOUNDED and _bound_reached(register, days, other, first.hop, order):
+    if (
+        BOUNDED
+        and _bound_reached(register, days, other, first.hop, order)
+        and _could_go(days, stands, first.index)
+    ):
         often = f"before which {other.overtaken} trains have gone"
         why = f"{waits}, {often if other.overtaken else 'which has waited as long as it may'}"
     elif order is not None and order.is_first(first, index):
         why = f"{waits}: {order.cost()}"
+    elif order is not None and (why := _may_come_soon(register, days, stands, index, first, coming, order)):
+        why = f"{waits}, {late}: {why}"
     elif order is not None:
         return Precedence(first.index, True, f"{goes}, {late}: {order.cost()}")
     elif first.late_s < days.late_s:
@@ -296,9 +319,47 @@ def _least_delay(
     return Precedence(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
 
 
-def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:
-    """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so."""
-    moves = played_through(register, days, stands, begins)
+def _may_come_soon(
+    register: Register,
+    days: Days,
+    stands: Stands,
+    index: int,
+    first: _First,
+    coming: tuple[int, ...],
+    order: _Solved,
+) -> str:
+    """Why a train waits for one that is overdue, though it is not expected in time; empty: it does not.
+
+    Who has been overdue for so long comes within the next while with the chance of that to the sum of both: as likely
+    as not, then, after as long again. What that saves times the chance, against what waiting in vain costs.
+    """
+    unit_id = days.unit_ids[first.index]
+    held = sum(days.bits[section_id] for section_id in register.held_by(unit_id))
+    stood_s = overdue_s(days, stands, first.index, register.trip(unit_id), held, register.now_s)
+    if not LOOKS_ON or order.answer is None or stood_s <= 0.0:
+        return ""
+    going, coming_now = (delay_s(register, days, stands, begins) for begins in ((index,), coming))
+    in_vain = delay_s(register, days, stands, (index,), (index, LOOK_S))
+    if going is None or coming_now is None or in_vain is None:
+        return ""
+    chance = LOOK_S / (LOOK_S + stood_s)
+    if chance * (going - coming_now) <= (1.0 - chance) * (in_vain - going):
+        return ""
+    return f"{_minutes(coming_now)} min late in all if it comes now, the other way {_minutes(going)}"
+
+
+def delay_s(
+    register: Register,
+    days: Days,
+    stands: Stands,
+    begins: Sequence[int],
+    later: tuple[int, float] | None = None,
+) -> float | None:
+    """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so.
+
+    `later`: a stock that is not ready before so many seconds from now.
+    """
+    moves = played_through(register, days, stands, begins, later)
     if moves is None:
         return None
     until_s = register.now_s + AHEAD_S
@@ -321,7 +382,11 @@ class PlayedMove(NamedTuple):
 
 
 def played_through(
-    register: Register, days: Days, stands: Stands, begins: Sequence[int] = ()
+    register: Register,
+    days: Days,
+    stands: Stands,
+    begins: Sequence[int] = (),
+    later: tuple[int, float] | None = None,
 ) -> list[PlayedMove] | None:
     """All moves still to be made, in blocks and minutes, if these come first; None: not all finish so."""
     after = stands
@@ -332,6 +397,8 @@ def played_through(
         return None
     at = list(stands.at)
     ready_s = [_ready_s(register, days, stands, index) for index in range(len(at))]
+    if later is not None:
+        ready_s[later[0]] = max(ready_s[later[0]], register.now_s + later[1])
     holds = list(stands.holds)
     free_s: dict[int, float] = {}
     moves: list[PlayedMove] = []
@@ -349,11 +416,7 @@ def played_through(
 
 def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> float:
     """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
-    at, trip = stands.at[index], register.trip(days.unit_ids[index])
-    if at == 0 or trip.asked_s is not None:
-        return max(register.now_s, trip.back_s)
-    before = days.hops[index][at - 1]
-    return max(register.now_s, before.arrives_s + trip.late_s + before.stays_s, trip.back_s)
+    return max(register.now_s, could_leave_s(days, stands, index, register.trip(days.unit_ids[index])))
 
 
 def _minutes(time_s: float) -> int:

@@ -79,11 +79,12 @@ OrderSolver = Callable[[OrderQuestion], OrderAnswer]
 
 @dataclass(frozen=True, slots=True)
 class LastOrder:
-    """The answer given last: when, and how many moves each stock had made then."""
+    """The answer given last: when, how many moves each stock had made then, and which were overdue (`awaited`)."""
 
     made_s: float
     at: tuple[int, ...]
     answer: OrderAnswer
+    awaited: tuple[int, ...] = ()
 
     def left(self, at: tuple[int, ...]) -> list[tuple[int, int]]:
         """What is left of it: stock and place in its day, in order."""

@@ -21,7 +21,7 @@ from msgspec.structs import replace
 from wayside.actions import Show
 from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import DispatcherMeans
-from wayside.journeys import Days, PlannedMove, Stands
+from wayside.journeys import Days, PlannedMove, Stands, could_leave_s, overdue_s
 from wayside.moves import Move
 from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
@@ -34,18 +34,24 @@ ORDERS_MAX: Final = 6  # assumed: lost orders are given again; trains are not se
 ASKED_EVERY_S: Final = 60.0  # assumed: who asks for a route asks again every few seconds
 STANDS_AGAIN: Final = 1.0  # assumed: who has stood for so long will stand for as long again
 EXTENDS = True  # off: who is asked about ends at a time of the plan, whether all can stand there or not
+HEARS = True  # off: an order is kept for its minute, whoever has asked meanwhile
 STANDS_ON = True  # off: who is overdue counts as ready this second, however long it has been
 
 
 def with_order(
     register: Register, days: Days, stands: Stands, begins: Callable[[], tuple[tuple[int, ...], ...]]
 ) -> tuple[Register, tuple[Show, ...]]:
-    """The register with an order that is no older than a minute, and what the journal is told where there is none.
+    """The register with an order that is no older than a minute, and made since the last train overdue asked; and what
+    the journal is told where there is none.
 
     `begins`: first moves of the orders than which it may not be worse.
     """
     last = register.solved
-    if last is not None and register.now_s < last.made_s + ASKED_EVERY_S:
+    if (
+        last is not None
+        and register.now_s < last.made_s + ASKED_EVERY_S
+        and not _has_news(register, days, stands, last)
+    ):
         return register, ()
     question = replace(question_of(register, days, stands), begins=begins())
     answer = register.plan.solver(question)
@@ -53,7 +59,30 @@ def with_order(
         answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
     said = "" if last is None else last.answer.lacking
     shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking != said else ()
-    return replace(register, solved=LastOrder(register.now_s, stands.at, answer)), shows
+    held = _held(register, days)
+    awaited = tuple(
+        index
+        for index, unit_id in enumerate(days.unit_ids)
+        if overdue_s(days, stands, index, register.trip(unit_id), held[unit_id], register.now_s)
+    )
+    return replace(register, solved=LastOrder(register.now_s, stands.at, answer, awaited)), shows
+
+
+def _has_news(register: Register, days: Days, stands: Stands, last: LastOrder) -> bool:
+    """Whether a train asks, or was let on, that was overdue when the order was made, and so expected later."""
+    return HEARS and any(
+        stands.at[index] != last.at[index] or register.trip(days.unit_ids[index]).asked_s is not None
+        for index in last.awaited
+    )
+
+
+def _held(register: Register, days: Days) -> dict[str, int]:
+    """What each stock with a day holds."""
+    held: dict[str, int] = dict.fromkeys(days.unit_ids, 0)
+    for section_id, unit_id in register.holders.items():
+        if unit_id in held:
+            held[unit_id] |= days.bits[section_id]
+    return held
 
 
 def _of_these(question: OrderQuestion, answer: OrderAnswer) -> bool:
@@ -64,10 +93,7 @@ def _of_these(question: OrderQuestion, answer: OrderAnswer) -> bool:
 
 def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion:
     """The question as things are."""
-    held: dict[str, int] = dict.fromkeys(days.unit_ids, 0)
-    for section_id, unit_id in register.holders.items():
-        if unit_id in held:
-            held[unit_id] |= days.bits[section_id]
+    held = _held(register, days)
     ahead = moves_ahead(register, days, stands)
     trains = (
         _train(register, days, stands, index, held[unit_id], ahead[index])
@@ -106,14 +132,12 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     keeps = _sections(days, stands.holds[index])
     if trip.astray:
         return OrderTrain((), 0, (), 0, ())
-    comes_s, stands_s = 0, trip.back_s
+    comes_s, stands_s = 0, could_leave_s(days, stands, index, trip)
     if at and trip.asked_s is None:
-        before = hops[at - 1]
-        comes_s = max(0, math.ceil(before.arrives_s + trip.late_s - now_s))
-        stands_s = max(stands_s, before.arrives_s + trip.late_s + before.stays_s)
-    if trip.asked_s is None and at < len(hops) and not held & ~stands.holds[index]:
-        overdue_s = now_s - max(stands_s, hops[at].departs_s)
-        stands_s = max(stands_s, now_s + STANDS_AGAIN * overdue_s) if STANDS_ON else stands_s
+        comes_s = max(0, math.ceil(hops[at - 1].arrives_s + trip.late_s - now_s))
+    if STANDS_ON:
+        stood_s = overdue_s(days, stands, index, trip, held, now_s)
+        stands_s = max(stands_s, now_s + STANDS_AGAIN * stood_s if stood_s else stands_s)
     ready_s = math.ceil(stands_s - now_s) - comes_s if stands_s > now_s + comes_s else 0
     ahead = hops[at : at + count]
     moves = tuple(

@@ -38,8 +38,8 @@ RUN_S: Final = 360.0
 STAYS_S: Final = 60.0
 LATE_S_MAX: Final = 1200.0
 US_MAX: Final = 1000.0
-DECISIONS: Final = 200  # by the order of all trains; most of them ask the solver nothing new
-US_DECIDED_MAX: Final = 1e6  # for the slowest of these
+DECISIONS: Final = 500  # by the order of all; most of them ask the solver nothing new
+US_DECIDED_MAX: Final = 1e6  # for any of these
 ASKED_MAX: Final = 200_000  # more, and the day is no bench any more
 
 
@@ -52,6 +52,7 @@ class DayOfManager:
         self.played = ManagerDay(config, journeys)
         self.grants_us: list[float] = []
         self.refused_us: list[float] = []
+        self.decided_us: list[float] = []  # of both, those for which the order of all was asked for
         self._late_s = late_s
 
     @property
@@ -78,9 +79,11 @@ class DayOfManager:
 
     def _asks(self, k: int, now_s: float) -> bool:
         message = self.played.request(k)
-        began = time.perf_counter()
+        solved, began = self.played.register.solved, time.perf_counter()
         granted = self.played.hear(k, message, now_s)
         spent_us = 1e6 * (time.perf_counter() - began)
+        if self.played.register.solved is not solved:
+            self.decided_us.append(spent_us)
         if not granted:
             self.refused_us.append(spent_us)
         else:
@@ -161,10 +164,9 @@ def row_of(name: str, config: ManagerConfig, *, late: bool) -> dict[str, Any]:
     }
 
 
-def slowest_decision_us() -> float:
-    """Of the first of a late day of twenty trains, by the order of all."""
-    day = day_of(of_twenty(OrderRule.OPTIMAL), certificate=True, late=True, asked_max=DECISIONS)
-    return max(*day.grants_us, *day.refused_us)
+def decisions_us() -> list[float]:
+    """Of the first of a late day of twenty trains, by the order of all, those for which the solver is asked anew."""
+    return day_of(of_twenty(OrderRule.OPTIMAL), certificate=True, late=True, asked_max=DECISIONS).decided_us
 
 
 def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, Any]:
@@ -178,12 +180,14 @@ def bench(scenario: str, rounds: int, tell: Callable[[str], None]) -> dict[str, 
             tried = [row_of(shown, config, late=late) for _ in range(rounds)]
             rows.append(min(tried, key=lambda row: float(row["us_a_grant"])))
     tell(f"certificate: {DECISIONS} decisions by the order of {TRAINS} trains")
-    slowest_us = min(slowest_decision_us() for _ in range(1 + rounds))  # the first one starts the solver
-    return report(scenario, rounds, rows, slowest_us)
+    tried_us = [decisions_us() for _ in range(1 + rounds)]  # the first round starts the solver
+    return report(scenario, rounds, rows, min(tried_us, key=max))
 
 
-def report(scenario: str, rounds: int, rows: Sequence[dict[str, Any]], decided_us: float) -> dict[str, Any]:
-    """The rows, and whether a grant, and the slowest decision, cost no more than they may."""
+def report(
+    scenario: str, rounds: int, rows: Sequence[dict[str, Any]], decided_us: Sequence[float]
+) -> dict[str, Any]:
+    """The rows, and whether a grant, and the decisions by the order of all, cost no more than they may."""
     return {
         "scenario": scenario,
         "rounds": rounds,
@@ -191,10 +195,16 @@ def report(scenario: str, rounds: int, rows: Sequence[dict[str, Any]], decided_u
         "rows": list(rows),
         "budgets": [
             *(budget_of(f"us a grant, {row['day']}", US_MAX, row["us_a_grant"]) for row in rows),
-            budget_of(
-                f"us the slowest decision by the order of {TRAINS} trains",
-                US_DECIDED_MAX,
-                round(decided_us, 1),
+            *(
+                budget_of(
+                    f"us the {which} of {len(decided_us)} decisions by the order of {TRAINS} trains",
+                    US_DECIDED_MAX,
+                    round(took_us, 1),
+                )
+                for which, took_us in (
+                    ("median", statistics.median(decided_us)),
+                    ("slowest", max(decided_us)),
+                )
             ),
         ],
     }

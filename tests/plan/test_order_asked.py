@@ -100,9 +100,9 @@ def test_a_day_on_which_the_order_of_all_is_better(
         return 0.0 if place else ASKS_S - move.departs_s
 
     monkeypatch.setattr(order_of_trains, "doors_s", doors_s)
-    monkeypatch.setattr(
-        solved_order, "STANDS_ON", False
-    )  # all are ready in this second, though one asks first
+    # All are ready in this second, though one asks first.
+    monkeypatch.setattr(solved_order, "STANDS_ON", False)
+    monkeypatch.setattr(order, "LOOKS_ON", False)
     assert lost_min(config(rule), 1) == pytest.approx(lost_s / 60.0)
 
 

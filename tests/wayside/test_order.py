@@ -7,10 +7,11 @@ from msgspec.structs import replace
 
 from radio.messages import RefusalReason, RouteGranted, RouteRefused
 from tests.wayside.loop_line import Play, config_of
+from wayside import order, solved_order
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress
 from wayside.order import is_disturbed, played_through
-from wayside.order_question import LastOrder, OrderAnswer
+from wayside.order_question import LastOrder, OrderAnswer, OrderQuestion
 from wayside.places import stands_of
 from wayside.said import HeldBack, OrderChanged
 
@@ -118,6 +119,85 @@ def test_no_train_is_let_on_before_one_that_was_overtaken_so_often() -> None:
     assert why_held(play)[-1] == "2 waits for 3, before which 2 trains have gone"
     assert isinstance(play.asks(3), RouteGranted)
     assert isinstance(play.asks(2), RouteGranted)
+
+
+@pytest.mark.parametrize("first", [True, False], ids=["planned first", "planned later"])
+@pytest.mark.parametrize("stands", [True, False])
+def test_nobody_waits_for_a_train_in_whose_way_another_stands(first: bool, stands: bool) -> None:
+    """It was overtaken as often as may be, and a third stands on its track. Once that has gone it is next."""
+    late, other, third = (0, 1, 2) if first else (1, 0, 2)
+    ways = [["0.1", "1.1"], ["1.2", "0.2"], ["1.1", "2.1"]]
+    if not first:
+        ways[:2] = ways[1::-1]
+    play = Play(config_of([2, 2, 1], ways, order=OrderRule.PLANNED, late_s=60.0), ways, now_s=300.0)
+    play.register = play.register.with_trip(f"u{late}", DayProgress(asked_s=200.0, overtaken=2))
+    if not stands:
+        assert isinstance(play.asks(third), RouteGranted)
+    assert isinstance(play.asks(other), RouteGranted if stands else RouteRefused)
+
+
+@pytest.mark.parametrize("certificate", [True, False])
+def test_nobody_waits_for_a_train_that_may_not_go_by_the_certificate(certificate: bool) -> None:
+    """If it went, it and the one that comes against it would stand before each other for ever."""
+    ways = [["0.1", "1.2", "2.1"], ["1.1", "0.2"], ["2.1", "1.2", "0.3"]]
+    config = config_of([3, 2, 1], ways, order=OrderRule.PLANNED, certificate=certificate, late_s=60.0)
+    play = Play(config, ways, now_s=300.0)
+    play.register = play.register.with_trip("u0", DayProgress(asked_s=200.0, overtaken=2))
+    assert isinstance(play.asks(1), RouteGranted if certificate else RouteRefused)
+
+
+@pytest.mark.parametrize(("overdue_s", "waits"), [(269.0, True), (271.0, False)])
+@pytest.mark.parametrize("looks_on", [True, False])
+def test_who_is_overdue_is_waited_for_while_that_is_worth_the_chance(
+    overdue_s: float, waits: bool, looks_on: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The fast train (a minute) is overdue, the slow one (ten) asks, and goes first by the order found. If the fast one
+    came now and went first, the two would be 540 s less late; a minute waited in vain makes them 120 s later. So the
+    slow one waits while 60 s of chance are worth it: 60 * 540 > overdue * 120, up to 270 s.
+    """
+    if not looks_on:
+        monkeypatch.setattr(order, "LOOKS_ON", False)
+    config = config_of(TRACKS, WAYS, order=OrderRule.OPTIMAL)
+    fast, slow = config.dispatch.journeys
+    slow = replace(slow, moves=tuple(replace(m, arrives_s=m.departs_s + 600.0) for m in slow.moves))
+    given = replace(config.dispatch, journeys=(fast, slow))
+    play = Play(replace(config, dispatch=given), WAYS, now_s=FIRST_DUE_S + overdue_s)
+    plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer((1, 0)))
+    play.register = replace(play.register, plan=plan)
+    assert isinstance(play.asks(1), RouteRefused if waits and looks_on else RouteGranted)
+    said = (
+        "1 waits for 0, planned first; it is 4 min late: 9 min late in all if it comes now, the other way 18"
+    )
+    assert why_held(play) == [said] * (waits and looks_on)
+
+
+@pytest.mark.parametrize("let_on", [True, False])
+@pytest.mark.parametrize("hears", [True, False])
+def test_a_train_that_was_overdue_and_asks_is_news(
+    let_on: bool, hears: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was expected later when the order was made, and asks or was let on; else an order holds for its minute."""
+    if not hears:
+        monkeypatch.setattr(solved_order, "HEARS", False)
+    ways = [["0.1", "1.1", "0.1"], ["1.2", "0.2"]]
+    play, questions = play_of(OrderRule.OPTIMAL, ways), list[OrderQuestion]()
+
+    def solver(question: OrderQuestion) -> OrderAnswer:
+        questions.append(question)
+        return OrderAnswer((0, 1))
+
+    play.register = replace(play.register, plan=dataclasses.replace(play.register.plan, solver=solver))
+    for play.now_s in (FIRST_DUE_S + 300.0, FIRST_DUE_S + 305.0):
+        assert isinstance(play.asks(1), RouteRefused)
+    assert len(questions) == 1
+    at_s = FIRST_DUE_S + 305.0
+    trip = DayProgress(1, 305.0, granted_s=at_s) if let_on else DayProgress(asked_s=at_s)
+    holders = {"1.1" if let_on else "0.1": "u0", "1.2": "u1"}
+    play.register = replace(play.register, holders=holders).with_trip("u0", trip)
+    for play.now_s in (FIRST_DUE_S + 306.0, FIRST_DUE_S + 307.0):
+        if not play.done(1):
+            play.asks(1)
+    assert len(questions) == 1 + hears
 
 
 def test_an_order_given_for_the_day_is_kept_and_never_for_ever() -> None:
