@@ -45,7 +45,7 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
 
     `has_j` as it would leave now, `needed_j` by the unit's prediction with what it keeps back; `charges`: the charger
     here works, and gives it more meanwhile where it is not `full` and its pantograph is `up`; `connected`: there is
-    enough, and the pantograph has yet to come down.
+    enough, and the pantograph has yet to come down; `stays_up`: it does so once the way is free, charging till then.
     """
 
     station: str
@@ -55,6 +55,7 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
     connected: bool = False
     full: bool = False
     up: bool = True
+    stays_up: bool = False
 
     @property
     def words(self) -> str:

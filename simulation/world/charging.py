@@ -29,6 +29,7 @@ from simulation.world.charge_control import (
     TOLD,
     UP,
     ChargingRow,
+    has_enough,
     is_full,
     reset_charging,
 )
@@ -81,6 +82,12 @@ class BatteryGauge:
     def connected(self) -> bool:
         """Whether the pantograph is not down, or the generator's cable is in."""
         return self._control.pantograph != DOWN or self._brought
+
+    @property
+    def ready(self) -> bool:
+        """Whether the pantograph is up and has no more to wait for."""
+        enough = has_enough(self._battery, self._control.needed_j, self._control.spare_j)
+        return bool(self._control.pantograph == UP and enough)
 
     @property
     def _brought(self) -> bool:

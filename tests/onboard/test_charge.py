@@ -29,6 +29,7 @@ class Gauge:
     full: bool = False
     up: bool = True
     keeps_j: float = 0.0
+    ready: bool = False
     asked: list[tuple[float, float]] = field(default_factory=list)
 
     @property
@@ -177,6 +178,37 @@ def test_where_the_plan_has_no_time_it_leaves_with_enough_and_the_pantograph_dow
     gauge = Gauge(has=90.0 * KWH, connected=True)
     why = watch(gauge).why_not(free, 1)
     assert why is not None and why.connected and gauge.asked[-1][1] == -math.inf
+
+
+def test_with_too_little_when_its_time_has_come_it_charges_until_its_way_is_free() -> None:
+    """Lowered as soon as it has enough, it would use that up as it waits, and be unable again, and so on."""
+    down, _ = missions()
+    needed_j, departs_s = 1.1 * 41.0 * KWH + 10.0 * KWH, down.targets[1].departure_s
+    gauge = Gauge(has=needed_j - 1.0 * KWH, gains_w=300e3, connected=True)
+    own = watch(gauge)
+    assert departs_s is not None
+    own.now_s = gauge.now_s = departs_s + 100.0
+    why = own.why_not(down, 1)
+    assert why is not None and not why.connected and not why.stays_up
+    assert gauge.asked[-1] == (pytest.approx(needed_j), math.inf)  # it may stay up for as long as it takes
+    gauge.has += 2.0 * KWH
+    why = own.why_not(down, 1)
+    assert (
+        why is not None and why.connected and not why.stays_up
+    )  # nothing to spare: no route is held for that
+    gauge.ready = True
+    why = own.why_not(down, 1)
+    assert why is not None and why.connected and why.stays_up
+    own.told(None)  # its way is not free
+    assert gauge.asked[-1][1] == math.inf
+    own.told(why)
+    assert gauge.asked[-1][1] == -math.inf
+    why = own.why_not(down, 1)
+    assert (
+        why is not None and why.connected and not why.stays_up
+    )  # it comes down, whatever becomes of the way
+    gauge.connected = gauge.ready = False
+    assert own.why_not(down, 1) is None
 
 
 def test_on_sight_nothing_is_asked_for_but_the_time_and_afterwards_all_again() -> None:
