@@ -2,7 +2,8 @@
 
 Whatever the rule, no set leaves with its pantograph up: that comes down by itself when it is due by its unit's clock.
 Where it leaves a charger, or begins a train, it wants a reserve beyond what it predicts; on its way from there, where
-waiting would help nobody, what it predicts is enough. It reckons with the charge it will have when it is to leave.
+waiting would help nobody, what it predicts with all off at its stands that can wait is enough. It reckons with the
+charge it will have when it is to leave.
 Once its time has come and it has too little, it charges until its way is free, and only then lowers its pantograph:
 down at once, it would use up what it was charged for while it waits for its way, and so on without end.
 While it stands without a charger it keeps that and a reserve: with less, what can wait of its auxiliaries is off.
@@ -70,8 +71,11 @@ class ChargeRules:
     prediction_share: float
 
     def needed_j(self, reach: Reach, *, commits: bool) -> float:
-        """What must be available for a way, J; `commits`: where the set could wait."""
-        return (1.0 + self.prediction_share) * reach.needed_j + (self.reserve_j if commits else 0.0)
+        """What must be available for a way, J; `commits`: where the set could wait. Where waiting would help nobody
+        that is what it takes with all switched off at its stands that can wait.
+        """
+        takes_j = reach.needed_j - (0.0 if commits else reach.saves_j)
+        return (1.0 + self.prediction_share) * takes_j + (self.reserve_j if commits else 0.0)
 
 
 def commits_at(line: Line, mission: Mission, at: int) -> bool:

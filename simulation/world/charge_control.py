@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final, Protocol
 
+from onboard.reach import SHEDS_S
 from vehicle.battery import BatteryRow, available_j, carry, gives_max_w, takes_max_w
 from vehicle.compiled import compiled, compiled_when_called
 from vehicle.record import dtype_of
@@ -32,7 +33,6 @@ MOVED: Final = 1
 TOLD: Final = 2
 
 WORTH_S: Final = 30.0  # assumed: nobody raises a pantograph for less charging than this
-SHEDS_S: Final = 60.0  # assumed: nothing is switched off at a stop of the timetable
 FULL_SHARE: Final = 0.999
 READY_S: Final = 1.0  # it is down this long before the set leaves
 

@@ -14,10 +14,10 @@ from network.clock import first_given
 from network.units import J_PER_KWH
 from onboard.charge import ChargeRules, commits_at
 from onboard.mission import Target
-from onboard.reach import BatteryHop, SetWays, charger_at, stands_s, to_next_charge
+from onboard.reach import SHEDS_S, BatteryHop, SetWays, charger_at, stands_s, to_next_charge
 from simulation.battery_settings import BatterySettings, Departure
 from simulation.setup import Setup
-from simulation.world.charge_control import READY_S, SHEDS_S
+from simulation.world.charge_control import READY_S
 from simulation.world.roster import Duty
 from simulation.world.ways import ways_of
 from study.feasibility.finding import Finding, FindingKind, Severity, length_of_time, minute, severity_of

@@ -112,6 +112,21 @@ def test_at_a_charger_it_keeps_a_reserve_and_elsewhere_it_does_not() -> None:
     assert watch(gauge).why_not(down, 2) is None  # on its way: what is predicted is enough
 
 
+def test_on_its_way_it_does_without_what_can_wait_and_at_a_charger_it_does_not() -> None:
+    """Of the 5 kWh of the five stands before Karasuyama 4 can wait; to stay at a halt for heating helps nobody."""
+    down, _ = missions()
+    saving = SetWays(tuple(replace(hop, saves_j=0.8 * hop.stand_j) for hop in ways().hops), ways().first)
+    gauge = Gauge(has=1.1 * 31.0 * KWH + 0.1 * KWH)
+    own = ChargeWatch(LINE, saving, ChargeRules(True, 10.0 * KWH, 0.1), gauge)
+    assert own.why_not(down, 2) is None
+    assert gauge.asked[-1][0] == pytest.approx(1.1 * 31.0 * KWH)
+    assert gauge.keeps_j == pytest.approx(1.1 * 31.0 * KWH + 10.0 * KWH)
+    gauge.has -= 0.2 * KWH
+    assert own.why_not(down, 2) is not None
+    own.why_not(down, 1)
+    assert gauge.asked[-1][0] == pytest.approx(1.1 * 41.0 * KWH + 10.0 * KWH)
+
+
 def test_it_reckons_with_the_charge_it_will_have() -> None:
     down, _ = missions()
     departs_s = down.targets[1].departure_s
