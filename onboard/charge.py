@@ -21,6 +21,8 @@ from onboard.duty.unable import NoCharge, Unable
 from onboard.mission import Mission
 from onboard.reach import Reach, SetWays, charger_at, to_next_charge
 
+SHOWN_J: Final = 1e4
+
 
 class Gauge(Protocol):
     """What the battery and its pantograph show, and what they are told."""
@@ -101,7 +103,7 @@ class ChargeWatch:
         self._dead: Collection[str] = ()
         self._asked: tuple[str, int] | None = None
         self._due_at: tuple[str, int] | None = None
-        self._stays_up: bool = False
+        self._stays_up = self._comes_down = False
         self._reach: Reach | None = None
         self._needed_j = 0.0
         self._leaves_s = math.inf
@@ -121,25 +123,25 @@ class ChargeWatch:
         has_j = self._gauge.has_j(self._leaves_s)
         short = self._rules.waits and has_j < self._needed_j
         if short and due and not self._stays_up:
-            self._stays_up = True
+            self._stays_up, self._comes_down = True, False
             self._ask(math.inf)
         if not short and not (self._gauge.connected and due):
             return None
         return NoCharge(
             station=self._reach.place or "",
-            has_j=round(has_j, -4),
-            needed_j=round(self._needed_j, -4),
+            has_j=math.floor(has_j / SHOWN_J) * SHOWN_J,
+            needed_j=math.ceil(self._needed_j / SHOWN_J) * SHOWN_J,
             charges=self._gauge.charges,
             full=short and self._gauge.full,
             connected=not short,
             up=self._gauge.up,
-            stays_up=not short and self._stays_up and self._gauge.ready,
+            stays_up=not short and (self._comes_down or (self._stays_up and self._gauge.ready)),
         )
 
     def told(self, unable: Unable | None) -> None:
         """What keeps the set, as its duty has it: nothing but a pantograph that stays up until its way is free?"""
         if self._stays_up and isinstance(unable, NoCharge) and unable.stays_up:
-            self._stays_up = False
+            self._stays_up, self._comes_down = False, True
             self._ask(-math.inf)
 
     def on_sight(self, mission: Mission, at: int) -> None:
@@ -159,7 +161,7 @@ class ChargeWatch:
             return
         self._asked = mission.number, at
         self._reckon(mission, at)
-        self._stays_up = False
+        self._stays_up = self._comes_down = False
         self._ask(self._leaves_s)
 
     def _ask(self, leaves_s: float) -> None:

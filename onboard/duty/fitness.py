@@ -45,8 +45,13 @@ def unable_now(duty: DutyStep) -> Unable | None:
     due = state.may_ask or state.may_leave
     ready = state.phase is DutyPhase.STANDING and due and state.at + 1 < len(duty.plan.stops)
     why = state.place.unable if ready else None
-    charges_on = isinstance(why, NoCharge) and why.stays_up
+    charges_on = _comes_down(why)
     return None if charges_on and not (state.may_leave and route_is_free(duty)) else why
+
+
+def _comes_down(why: Unable | None) -> bool:
+    """Whether a set has enough, and lowers its pantograph once its way is free: a part of its departure, no news."""
+    return isinstance(why, NoCharge) and why.stays_up
 
 
 def examine(duty: DutyStep) -> None:
@@ -56,11 +61,11 @@ def examine(duty: DutyStep) -> None:
         return
     duty.set(unable=why)
     station = duty.stop(duty.state.at).place
-    if why is not None and type(why) is not type(before):
+    if why is not None and type(why) is not type(before) and not _comes_down(why):
         duty.note(notes.UnableToLeave(station=station, why=why.words))
     if why is not None and before is None:
         duty.timer("able", LOOKS_AGAIN_S)
-    if why is None and duty.state.phase is DutyPhase.STANDING:
+    if why is None and duty.state.phase is DutyPhase.STANDING and not _comes_down(before):
         duty.note(notes.AbleToLeave(station=station))
 
 

@@ -6,6 +6,8 @@ is another type here, in the union at the end, and one more examination in `onbo
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 
 from network.units import J_PER_KWH
@@ -68,9 +70,9 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
             how = "it is charging" if self.up else "its pantograph is not up"
         if self.full:
             how = "it is full"
-        return (
-            f"{self.needed_j / J_PER_KWH:.1f} kWh {where}: it has {self.has_j / J_PER_KWH:.1f} kWh, and {how}"
-        )
+        needed_kwh = math.ceil(10.0 * self.needed_j / J_PER_KWH) / 10.0  # never as much as it has
+        has_kwh = math.floor(10.0 * self.has_j / J_PER_KWH) / 10.0
+        return f"{needed_kwh:.1f} kWh {where}: it has {has_kwh:.1f} kWh, and {how}"
 
 
 Unable = TooSteep | NoCharge

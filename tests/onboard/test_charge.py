@@ -219,11 +219,23 @@ def test_with_too_little_when_its_time_has_come_it_charges_until_its_way_is_free
     own.told(why)
     assert gauge.asked[-1][1] == -math.inf
     why = own.why_not(down, 1)
-    assert (
-        why is not None and why.connected and not why.stays_up
-    )  # it comes down, whatever becomes of the way
-    gauge.connected = gauge.ready = False
+    gauge.ready = False
+    why = own.why_not(down, 1)
+    assert why is not None and why.connected and why.stays_up  # on its way down
+    own.told(why)
+    assert len(gauge.asked) == 3  # and told so once
+    gauge.connected = False
     assert own.why_not(down, 1) is None
+
+
+def test_what_it_lacks_is_never_said_to_be_what_it_has() -> None:
+    """Both are 55.1 kWh to a tenth."""
+    down, _ = missions()
+    gauge = Gauge(has=1.1 * 41.0 * KWH + 10.0 * KWH - 100.0)
+    why = watch(gauge).why_not(down, 1)
+    assert why is not None and why.words.startswith(
+        "55.1 kWh to KRS, where it can charge next: it has 55.0 kWh"
+    )
 
 
 def test_on_sight_nothing_is_asked_for_but_the_time_and_afterwards_all_again() -> None:

@@ -164,7 +164,14 @@ VEHICLE: Final[dict[str, Case]] = {
         TimerDue(LEAVE),
         AT_A_CHARGER,
         replace(READY, place=AT_A_CHARGER, unable=CHARGES),
-        (Write(notes.UnableToLeave(station="A", why="a lowered pantograph")), LOOKS_AGAIN),
+        (LOOKS_AGAIN,),
+    ),
+    "its pantograph is down, and it departs": (
+        replace(READY, place=AT_A_CHARGER, unable=CHARGES),
+        Looked(),
+        AT_A,
+        replace(READY, phase=DutyPhase.RUNNING),
+        (Write(notes.Departs(station="A")), DrivingOrder.DEPART),
     ),
     "unable and without a position, its crew decides": (
         replace(UNABLE, may_leave=True),
