@@ -134,6 +134,7 @@ class Charging:
         self._dead: set[str] = set()
         self._off: dict[int, _Off] = {}
         self._pantograph = [DOWN] * len(self._batteries)
+        self._brought = [False] * len(self._batteries)
         self._level = [BatteryLevel.ENOUGH] * len(self._batteries)
         self._gauges: dict[int, BatteryGauge] = {}
         self._watches: dict[int, ChargeWatch] = {}
@@ -305,7 +306,8 @@ class Charging:
                 yield slot
 
     def look(self, step: int) -> list[int]:
-        """Write down how batteries are: now and then, and where a pantograph has gone up or down.
+        """Write down how batteries are: now and then, and where a pantograph has gone up or down, or a generator has
+        come or gone.
 
         Returns the sets whose pantograph has come down.
         """
@@ -318,6 +320,10 @@ class Charging:
             self._pantograph[slot] = state
             if state == DOWN and before != DOWN:
                 lowered.append(slot)
+            brought = bool(self._control[slot].brought_w > 0.0)
+            if brought is not self._brought[slot]:
+                self._brought[slot] = brought
+                self._write(slot, step, BatteryEvent.BROUGHT if brought else BatteryEvent.TAKEN_AWAY)
             if state == UP and before != UP:
                 self._write(slot, step, BatteryEvent.CONNECTED)
             elif before == UP and state != UP:

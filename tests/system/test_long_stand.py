@@ -68,6 +68,9 @@ def test_after_four_hours_staff_bring_it_power(tmp_path: Path) -> None:
     assert unable < brought[0] < able
     left = run.tables.stops.filter(train="333M", station="OGN")["departure_s"][0]
     assert left is not None and left > able
+    charge = run.tables.charges.filter(unit="V4", station="OGN")
+    assert charge["from_s"][0] == pytest.approx(brought[0], abs=10.0)
+    assert charge["to_s"][0] == pytest.approx(able, abs=10.0)
 
 
 def test_power_is_brought_to_sets_on_batteries_alone(tmp_path: Path) -> None:

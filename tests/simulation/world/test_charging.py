@@ -134,3 +134,13 @@ def test_a_stand_without_a_charger_can_do_without_what_is_off_in_a_long_one() ->
     assert stand.stand_j == pytest.approx(420.0 * 30e3)
     assert stand.saves_j == pytest.approx(360.0 * 25e3)
     assert next(hop for hop in hops if hop.to_place == "KNY").saves_j == 0.0
+
+
+def test_a_generator_that_comes_and_goes_is_written_down() -> None:
+    world = World(battery_setup())
+    world.charging.look(0)
+    for brought_w in (60e3, 60e3, 0.0):
+        world.control["brought_w"] = brought_w
+        world.charging.look(1)
+    events = [record.event for record in world.charging.records if record.stock_id == "V4"]
+    assert events[1:] == [BatteryEvent.BROUGHT, BatteryEvent.TAKEN_AWAY]
