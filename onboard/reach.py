@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +18,9 @@ from network.model import Line
 from onboard.duty.timekeeping import PREDICTION_STEP_S, cruise_for
 from onboard.mission import Mission, Target
 from onboard.records import BehaviourRow
+from vehicle.battery import SHEDS_S
 from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
-
-SHEDS_S: Final = 60.0  # assumed: nothing is switched off at a stop of the timetable
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,8 +15,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final, Protocol
 
-from onboard.reach import SHEDS_S
-from vehicle.battery import BatteryRow, available_j, carry, gives_max_w, takes_max_w
+from vehicle.battery import SHEDS_S, BatteryRow, available_j, carry, gives_max_w, takes_max_w
 from vehicle.compiled import compiled, compiled_when_called
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
