@@ -135,6 +135,13 @@ def _latest(late_s: float | None) -> str:
     return "no train arrived" if late_s is None else f"{late_s:.1f} s after the timetable"
 
 
+def _errors(summary: dict[str, Any]) -> str:
+    """How far trains stood from their marks, of at least one; of one there is no sigma."""
+    sigma_m = summary["stop_error_m_sigma"]
+    sigma = "" if sigma_m is None else f" sigma {sigma_m:.3f} m,"
+    return f"error mean {summary['stop_error_m_mean']:.3f} m,{sigma} largest {summary['stop_error_m_max_abs']:.3f} m"
+
+
 def _earliest(early_s: float | None) -> str:
     return "no train departed" if early_s is None else f"{early_s:.1f} s before the timetable"
 
@@ -182,11 +189,7 @@ def _print_run(done: FinishedRun, report: Path) -> None:
     from rich.table import Table
 
     summary = done.summary
-    error = {key: summary[f"stop_error_m_{key}"] for key in ("mean", "sigma", "max_abs")}
     energy, telegrams = summary["energy_kwh"], summary["telegrams"]
-
-    def metres(value: float | None) -> str:
-        return "-" if value is None else f"{value:.3f}"
 
     rows = [
         ("trains", f"{summary['trains_arrived']} of {summary['trains_planned']} ran their whole journey"),
@@ -195,11 +198,7 @@ def _print_run(done: FinishedRun, report: Path) -> None:
         *_passing(summary["late_passing_at"]),
         ("earliest departure", _earliest(summary["early_departure_s_max"])),
         ("smallest margin", _margin(summary["margins"])),
-        (
-            "stops",
-            f"{summary['stops']}: error mean {metres(error['mean'])} m, sigma {metres(error['sigma'])} m,"
-            f" largest {metres(error['max_abs'])} m",
-        ),
+        ("stops", f"{summary['stops']}: {_errors(summary)}" if summary["stops"] else "none measured"),
         ("invariants broken", str(summary["invariants_broken"])),
         (
             "energy",

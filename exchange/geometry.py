@@ -44,6 +44,9 @@ _STATION_FAR_DEG: Final = 10.0  # of the middle of the track: the plane is none 
 _RELIEF_MIN_M: Final = 60.0  # a shorter gap between equal limits frees no train
 CANT_RAMP_MAX: Final = 1.0 / 400.0
 _DEVIATION_STEP_M: Final = 10.0
+_TURN_M: Final = (
+    240.0  # of track with its ends not a third of it apart turn back; a curve of 60 m radius does not
+)
 VERTICES_MAX: Final = 20_000  # assumed: one every 10 m
 TWICE_MIN: Final = 2  # vertices that a track comes to twice when it goes back on itself; a loop has one
 VERTEX_GAP_M_MAX: Final = 10_000.0  # assumed: on a straight; further apart a coordinate is wrong
@@ -160,12 +163,12 @@ def read_polyline(file: Path) -> Floats:
     if len(points) > VERTICES_MAX:
         raise InputError(str(file), "features", len(points), f"at most {VERTICES_MAX} vertices")
     vertices = np.array(points, dtype=np.float64).reshape(-1, 2)
-    if len(vertices) < 3:
-        raise InputError(str(file), "features", len(vertices), "a track of at least three vertices")
     if np.any(np.abs(vertices) > (180.0, 90.0)):
         raise InputError(str(file), "features", None, "longitude and latitude in degrees")
     moved = np.append(np.True_, np.any(np.diff(vertices, axis=0) != 0.0, axis=1))
-    distinct: Floats = vertices[moved]
+    distinct: Floats = vertices[moved[: len(vertices)]]
+    if len(distinct) < 3:
+        raise InputError(str(file), "features", len(distinct), "a track of at least three vertices")
     _, first, count = np.unique(distinct, axis=0, return_index=True, return_counts=True)
     if np.count_nonzero(count > 1) >= TWICE_MIN:
         again = tuple(map(float, distinct[first[count > 1].min()]))
@@ -276,6 +279,7 @@ def read_geometry(
     track = track[::-1] if turned else track
     if only is not None:
         track = _cut(track, stops)
+    _check_turns(polyline_file, track, project(vertices), vertices)
     fit = fit_curves(track)
     if fit.max_m > _STATION_FAR_M:
         expected = (
@@ -432,6 +436,23 @@ def _check_track(file: Path, track: Floats) -> None:
         raise InputError(str(file), "features", None, expected)
     if float(steps_m.sum()) > TRACK_M_MAX:
         raise InputError(str(file), "features", None, f"a track of at most {TRACK_M_MAX / 1000:g} km")
+
+
+def _check_turns(file: Path, track: Floats, places: Floats, vertices: Floats) -> None:
+    """A track in the plane, m, that does not turn back on itself: what is fitted to it would be longer by that.
+
+    What an axis can be fitted through, a vertex or two beside the way, is left to the fit. `places`: its vertices in
+    the plane, `vertices` in degrees, for the message.
+    """
+    along = chainage(track)
+    at_m = np.arange(0.0, along[-1] - _TURN_M, _DEVIATION_STEP_M)
+    ends = points_at(at_m + _TURN_M, along, track) - points_at(at_m, along, track)
+    apart_m = np.hypot(ends[:, 0], ends[:, 1])
+    if np.any(apart_m < _TURN_M / 3.0):
+        tip = points_at(at_m[[np.argmin(apart_m)]] + _TURN_M / 2.0, along, track)[0]
+        vertex = int(np.argmin(np.hypot(*(places - tip).T)))
+        turns = "a track that does not turn back on itself, as here; one with a switchback is two lines"
+        raise InputError(str(file), "features", tuple(map(float, vertices[vertex])), turns)
 
 
 def _foot_m(track: Floats, place: Floats) -> float:

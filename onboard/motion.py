@@ -242,15 +242,14 @@ class UnitMotion:
         """Why the train could not reach the next stop if it left the one where it stands now."""
         way = WayAhead(mission, at, float(self.row.position_m), self._pace.climb_m, self._pace.driving_mps)
         means = Means(self._train, self._behaviour, self.load_share, self.vehicle, self.adhesion_factor)
-        too_weak = self._ability.why_not(way, means)
-        return too_weak if too_weak is not None or self.charge is None else self.charge.why_not(mission, at)
+        why = self._ability.why_not(way, means)
+        return why if why or self.charge is None else self.charge.why_not(mission, at)
 
     def vehicle_shows(self, vehicle: VehicleInputs) -> list[Sensed]:
         """What the vehicle shows of itself now."""
         before, self.vehicle = self.vehicle, vehicle
-        if vehicle.unfit != before.unfit:
-            return [VehicleChecked()]
-        return [Looked()] if vehicle != before else []
+        looked: list[Sensed] = [Looked()] if vehicle != before else []
+        return [VehicleChecked()] if vehicle.unfit != before.unfit else looked
 
     def taken_notes(self) -> list[notes.Note]:
         """Lines of the journal since the last call."""
@@ -427,8 +426,9 @@ class UnitMotion:
 
     def obey(self, command: DrivingCommand, now_s: float) -> None:
         """Set what the tick works to."""
-        row, roads = self.row, command.crossings
-        self.command = command
+        row, roads, self.command = self.row, command.crossings, command
+        if self.charge is not None:
+            self.charge.told(command.unable)
         self._look_for_sign(None if command.target is None else self._next_target())
         if DrivingOrder.RELEASE in command.orders:
             row.intervention = NO_INTERVENTION

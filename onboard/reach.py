@@ -18,6 +18,7 @@ from network.model import Line
 from onboard.duty.timekeeping import PREDICTION_STEP_S, cruise_for
 from onboard.mission import Mission, Target
 from onboard.records import BehaviourRow
+from vehicle.battery import SHEDS_S
 from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
 
@@ -43,7 +44,8 @@ class BatteryHop:
     """From one stop to the next: what the run takes, J at the battery in `run_s`, and then the stand there.
 
     `charger`: the station whose charger is at the stop where it ends; empty: none. `beyond_j`: what the set then takes
-    of its battery off the line, before it charges there (`wire`) or comes back.
+    of its battery off the line, before it charges there (`wire`) or comes back. `saves_j`: what of its stand it can do
+    without, since it switches that off.
     """
 
     number: str
@@ -55,6 +57,7 @@ class BatteryHop:
     charger: str = ""
     wire: bool = False
     beyond_j: float = 0.0
+    saves_j: float = 0.0
 
 
 def charger_at(line: Line, target: Target) -> str:
@@ -116,19 +119,20 @@ def hops_of(
     mission: Mission,
     runs: Sequence[tuple[float, float]],
     auxiliary_w: float,
+    waits_w: float,
     dwell_s: float,
     following: Mission | None,
     off: OffLine,
 ) -> tuple[BatteryHop, ...]:
     """The hops of a mission, given the time (s) and energy (J) of each run.
 
-    `following`: the set's next, if it stays on the line.
+    `waits_w`: what of its auxiliaries can wait. `following`: the set's next, if it stays on the line.
     """
     found: list[BatteryHop] = []
     for (here, there), (time_s, takes_j) in zip(pairwise(mission.targets), runs, strict=True):
         last = there is mission.targets[-1]
         next_first = following.targets[0] if last and following is not None else None
-        leaves = there.station_id is None
+        leaves, stand_s = there.station_id is None, stands_s(there, next_first, dwell_s)
         found.append(
             BatteryHop(
                 mission.number,
@@ -136,10 +140,11 @@ def hops_of(
                 there.place_id,
                 time_s,
                 takes_j,
-                stands_s(there, next_first, dwell_s) * auxiliary_w,
+                stand_s * auxiliary_w,
                 charger_at(line, there),
                 leaves and off.charges,
                 off.takes_j if leaves else 0.0,
+                max(stand_s - SHEDS_S, 0.0) * waits_w,
             )
         )
     return tuple(found)
@@ -147,22 +152,26 @@ def hops_of(
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """What is needed to the next charge, J as predicted; `place` None: there is none before the set's day ends."""
+    """What is needed to the next charge, J as predicted; `place` None: there is none before the set's day ends.
+
+    `saves_j`: what of that it can do without on its way.
+    """
 
     needed_j: float
     place: str | None
     hops: int
+    saves_j: float = 0.0
 
 
 def to_next_charge(hops: Sequence[BatteryHop], dead: Collection[str]) -> Reach:
     """What the way takes that begins with the first of these hops."""
-    needed_j = 0.0
+    needed_j = saves_j = 0.0
     for count, hop in enumerate(hops, 1):
         needed_j += hop.run_j + hop.beyond_j
         if hop.wire or (hop.charger and hop.charger not in dead):
-            return Reach(needed_j, hop.to_place, count)
-        needed_j += hop.stand_j
-    return Reach(needed_j, None, len(hops))
+            return Reach(needed_j, hop.to_place, count, saves_j)
+        needed_j, saves_j = needed_j + hop.stand_j, saves_j + hop.saves_j
+    return Reach(needed_j, None, len(hops), saves_j)
 
 
 def stretches(hops: Sequence[BatteryHop], dead: Collection[str]) -> Iterator[tuple[int, Reach]]:

@@ -33,10 +33,8 @@ from simulation.result import Waiting
 from simulation.setup import STEP_S, STEPS_PER_S
 from simulation.world.roster import (
     Duty,
-    beginning_at,
-    by_route,
-    ending_at,
-    from_section,
+    cut_at,
+    ordered_by,
     stabled_at_start,
 )
 from simulation.world.stage import World
@@ -316,20 +314,16 @@ class Duties:
         stock_id, line = self._trains.stock_ids[slot], self._setup.believed_line
         at, duties = self._next[stock_id] - 1, self.of_stock[stock_id]
         length_m = self._setup.lengths_m[stock_id]
-        old, rest = duties[at], duties[at + 1 :]
         try:
-            duty = by_route(line, old, ordered.route_id, ordered.instead, length_m)
-            end = duty.mission.spans[-1].section_id
-            if duty.becomes is not None and end != old.mission.spans[-1].section_id:
-                rest = (from_section(line, rest[0], end, length_m), *rest[1:])
+            changed = ordered_by(line, duties, at, ordered.route_id, ordered.instead, length_m)
         except NoWay:
             self._cabs.tell(slot, step, (NoSuchWay(),))
             return
-        self.of_stock[stock_id] = (*duties[:at], duty, *rest)
+        self.of_stock[stock_id], duty = changed, changed[at]
         if self._trains.truths[slot].active:  # else it has yet to come in
             self._trains.go_by(slot, duty)
             self._books.follow(slot, duty, step)
-        for following in rest[:1]:
+        for following in changed[at + 1 : at + 2]:
             self._on_board.forget_plan(slot, following)
         self._cabs.tell(slot, step, self._on_board.take_up_way(slot, duty))
 
@@ -338,21 +332,16 @@ class Duties:
         stock_id, line = self._trains.stock_ids[slot], self._setup.believed_line
         at, duties = self._next[stock_id] - 1, self.of_stock[stock_id]
         target, length_m = self._books.next_target(slot) - 1, self._setup.lengths_m[stock_id]
-        old = duties[at]
-        here = old.mission.targets[target]
-        to = next((k for k in range(at + 1, len(duties)) if duties[k].train.number == ordered.train), None)
         try:
-            if to is None or here.station_id is None or not self._trains.truths[slot].active:
-                raise NoWay(f"{stock_id} has no train {ordered.train} from here")
-            ended = ending_at(line, old, target, ordered.train, length_m)
-            begun = beginning_at(
-                line, duties[to], here.station_id, here.section_id, old.train.number, length_m
-            )
+            if not self._trains.truths[slot].active:
+                raise NoWay(f"{stock_id} has yet to come in")
+            changed = cut_at(line, duties, at, target, ordered.train, length_m)
         except NoWay:
             self._cabs.tell(slot, step, (NoSuchWay(),))
             return
-        self.of_stock[stock_id] = (*duties[:at], ended, begun, *duties[to + 1 :])
-        self._cancel(slot, step, (old, ended), duties[at + 1 : to], (duties[to], begun))
+        self.of_stock[stock_id], (ended, begun) = changed, changed[at : at + 2]
+        to = len(duties) - len(changed) + at + 1
+        self._cancel(slot, step, (duties[at], ended), duties[at + 1 : to], (duties[to], begun))
         self._trains.go_by(slot, ended)
         self._books.follow(slot, ended, step)
         self._on_board.forget_plan(slot, begun)

@@ -130,6 +130,8 @@ class BatteryEvent(StrEnum):
     STANDS = "stands"
     CONNECTED = "connected"  # to a charger or wire, from now on
     DISCONNECTED = "disconnected"
+    BROUGHT = "power brought"  # by a generator, from now on
+    TAKEN_AWAY = "power taken away"
     LEAVES = "leaves"  # the line
     RAN_BEYOND = "ran beyond"  # off the line, on its battery
 

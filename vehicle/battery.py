@@ -48,6 +48,7 @@ class BatteryRow(Protocol):
 
 
 BATTERY: Final = dtype_of(BatteryRow)
+SHEDS_S: Final = 60.0  # assumed: a set switches nothing off at a stop of the timetable
 
 
 def battery_row(table: BatteryTable) -> NDArray[np.void]:

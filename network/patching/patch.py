@@ -13,24 +13,34 @@ The patched data is validated like a line file; what is wrong then is put down t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
+from operator import itemgetter
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field
 
 from network.errors import InputError
-from network.files.edits import Change, Data, FilePatch, Patched, PatchInFile, differences, words_of
+from network.files.edits import (
+    Change,
+    Data,
+    FilePatch,
+    Patched,
+    PatchInFile,
+    differences,
+    entry_name,
+    words_of,
+)
 from network.files.kinds import about
 from network.files.line_file import line_of_tables
 from network.files.line_schema import LineFile
 from network.files.quantities import PositionBound
-from network.files.toml_input import Record, one_of, parse_table, read_text, validate
+from network.files.toml_input import Record, one_of, parse_table, read_text
 from network.model import Line
 from network.patching.loop_addition import with_loop
 from network.patching.track_removal import without_loop, without_track
+from network.raw import is_list, is_table
 
 KEY: Final = "patch.line"
 _TABLES: Final = ("sections", "points", "joints", "stations", "tags", "beacons", "markers", "crossings")
@@ -90,25 +100,31 @@ def load_patched_line(path: Path, patch: Mapping[str, Any], patch_file: str) -> 
 
 
 def _patched(data: Mapping[str, Any], asked: PatchInFile) -> Patched:
+    """The data with a patch. It may be no line any more, which is found when it is read as one."""
     wanted, file = words_of(asked, LinePatch), asked.file
-    entry = validate(data, file, LineFile)
-    for i, track_id in enumerate(wanted.remove_tracks):
-        entry = without_track(entry, track_id, file, f"{asked.key}.remove_tracks[{i}]")
-    for i, station_id in enumerate(wanted.remove_loops):
-        entry = without_loop(entry, station_id, file, f"{asked.key}.remove_loops[{i}]")
-    for i, station_id in enumerate(wanted.add_loops):
-        entry = with_loop(entry, station_id, file, f"{asked.key}.add_loops[{i}]")
-    if wanted.remove_tags is not None:
-        entry = _without_tags(entry, wanted.remove_tags, file, f"{asked.key}.remove_tags")
-    plain = entry.model_dump(exclude_unset=True, exclude_none=True)
-    patched = Patched(file, asked.key, "line", plain)
+    patched = Patched(file, asked.key, "line", _by_words(data, wanted, file, asked.key))
     patched.remove_all(wanted)
     patched.write_all(wanted)
-    _validate(patched)
     for table, rows in wanted.add.items():
         for i, row in enumerate(rows):
             _add(patched, table, deepcopy(row), f"{asked.key}.add.{table}[{i}]")
     return patched
+
+
+def _by_words(data: Mapping[str, Any], wanted: LinePatch, file: str, key: str) -> Data:
+    """The data of a sound line without the tracks, loops and tags to take out, and with the loops to add."""
+    if not (wanted.remove_tracks or wanted.remove_loops or wanted.add_loops or wanted.remove_tags):
+        return deepcopy(dict(data))
+    entry = LineFile.model_validate(data)
+    for i, track_id in enumerate(wanted.remove_tracks):
+        entry = without_track(entry, track_id, file, f"{key}.remove_tracks[{i}]")
+    for i, station_id in enumerate(wanted.remove_loops):
+        entry = without_loop(entry, station_id, file, f"{key}.remove_loops[{i}]")
+    for i, station_id in enumerate(wanted.add_loops):
+        entry = with_loop(entry, station_id, file, f"{key}.add_loops[{i}]")
+    if wanted.remove_tags is not None:
+        entry = _without_tags(entry, wanted.remove_tags, file, f"{key}.remove_tags")
+    return entry.model_dump(exclude_unset=True, exclude_none=True)
 
 
 def _without_tags(entry: LineFile, wanted: TagsOut, file: str, key: str) -> LineFile:
@@ -138,33 +154,29 @@ def _without_tags(entry: LineFile, wanted: TagsOut, file: str, key: str) -> Line
     return entry.model_copy(update={"tags": kept})
 
 
-def _validate(patched: Patched) -> None:
-    try:
-        validate(patched.data, patched.file, LineFile)
-    except InputError as error:
-        raise patched.blame(error) from error
-
-
 def _add(patched: Patched, table: str, row: Data, key: str) -> None:
-    """Append one entry to its table; those of an alignment go to their place by kilometrage."""
+    """Append one entry to its table; those of an alignment go to their place by kilometrage.
+
+    Where what it goes to has been overwritten by something else, it goes nowhere: the line is refused for that.
+    """
     if table in _TABLES:
         rows = patched.data.setdefault(table, [])
-        patched.append(rows, row, key)
+        if is_list(rows):
+            patched.append(rows, row, key)
         return
     if table not in _ON_ALIGNMENT:
         raise InputError(patched.file, f"{patched.key}.add", table, one_of((*_TABLES, *_ON_ALIGNMENT), table))
-    alignments = patched.data["alignments"]
-    ids = [alignment["id"] for alignment in alignments]
-    name = row.pop("alignment", ids[0])
-    if name not in ids:
-        raise InputError(patched.file, f"{key}.alignment", name, one_of(ids, str(name)))
-    owner = ids.index(name)
-    rows = alignments[owner].setdefault(table, [])
-    patched.append(rows, row, key)
-    rows.sort(key=_from_km)
-
-
-def _from_km(row: Mapping[str, Any]) -> float:
-    """Kilometrage to sort by; one that is missing or no number is for the schema to refuse."""
-    from_km = row.get("from_km")
-    return from_km if isinstance(from_km, float | int) else math.inf
+    alignments = patched.data.get("alignments")
+    owners = {
+        entry_name(a, i): a for i, a in enumerate(alignments if is_list(alignments) else ()) if is_table(a)
+    }
+    name = row.pop("alignment", next(iter(owners), None))
+    if owners and not (isinstance(name, str) and name in owners):
+        raise InputError(patched.file, f"{key}.alignment", name, one_of(owners, str(name)))
+    rows = owners[name].setdefault(table, []) if owners else None
+    if is_list(rows):
+        patched.append(rows, row, key)
+        if all(
+            is_table(one) and isinstance(one.get("from_km"), float | int) for one in rows
+        ):  # else it is refused
+            rows.sort(key=itemgetter("from_km"))

@@ -13,7 +13,7 @@ from typing import Final
 from onboard import notes
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.records import DrivingOrder, DutyPhase, VehicleChecked
-from onboard.duty.unable import Unable
+from onboard.duty.unable import NoCharge, Unable
 
 ON_ITS_WAY: Final = (DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
 LOOKS_AGAIN_S: Final = 10.0  # assumed: often enough for a load, motors or a charge that change
@@ -44,7 +44,14 @@ def unable_now(duty: DutyStep) -> Unable | None:
     state = duty.state
     due = state.may_ask or state.may_leave
     ready = state.phase is DutyPhase.STANDING and due and state.at + 1 < len(duty.plan.stops)
-    return state.place.unable if ready else None
+    why = state.place.unable if ready else None
+    charges_on = _comes_down(why)
+    return None if charges_on and not (state.may_leave and route_is_free(duty)) else why
+
+
+def _comes_down(why: Unable | None) -> bool:
+    """Whether a set has enough, and lowers its pantograph once its way is free: a part of its departure, no news."""
+    return isinstance(why, NoCharge) and why.stays_up
 
 
 def examine(duty: DutyStep) -> None:
@@ -54,11 +61,11 @@ def examine(duty: DutyStep) -> None:
         return
     duty.set(unable=why)
     station = duty.stop(duty.state.at).place
-    if why is not None and type(why) is not type(before):
+    if why is not None and type(why) is not type(before) and not _comes_down(why):
         duty.note(notes.UnableToLeave(station=station, why=why.words))
     if why is not None and before is None:
         duty.timer("able", LOOKS_AGAIN_S)
-    if why is None and duty.state.phase is DutyPhase.STANDING:
+    if why is None and duty.state.phase is DutyPhase.STANDING and not _comes_down(before):
         duty.note(notes.AbleToLeave(station=station))
 
 
@@ -69,12 +76,15 @@ def look_again(duty: DutyStep) -> None:
 
 
 def way_is_free(duty: DutyStep) -> bool:
-    """The vehicle is in order and the stop limit beyond the train's track: no start towards points, or a level crossing
-    near by, that are not proven.
-    """
+    """Its route is free, and no level crossing near by is without proof."""
+    return route_is_free(duty) and not duty.state.place.crossing
+
+
+def route_is_free(duty: DutyStep) -> bool:
+    """The vehicle is in order and the stop limit beyond the train's track: no start towards points not proven."""
     limit, place = duty.state.limit, duty.state.place
     own = duty.stop(duty.state.at).span
     beyond = limit.joint > own + 1 or limit.before is None
     on_track = duty.leg_from_stop(duty.state.at) is not None
-    way = limit.joint >= place.reach and (beyond or not on_track) and not place.crossing
+    way = limit.joint >= place.reach and (beyond or not on_track)
     return place.known and way and not place.unfit and not duty.state.must_stand

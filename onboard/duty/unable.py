@@ -6,6 +6,8 @@ is another type here, in the union at the end, and one more examination in `onbo
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 
 from network.units import J_PER_KWH
@@ -45,7 +47,7 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
 
     `has_j` as it would leave now, `needed_j` by the unit's prediction with what it keeps back; `charges`: the charger
     here works, and gives it more meanwhile where it is not `full` and its pantograph is `up`; `connected`: there is
-    enough, and the pantograph has yet to come down.
+    enough, and the pantograph has yet to come down; `stays_up`: it does so once the way is free, charging till then.
     """
 
     station: str
@@ -55,6 +57,7 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
     connected: bool = False
     full: bool = False
     up: bool = True
+    stays_up: bool = False
 
     @property
     def words(self) -> str:
@@ -67,9 +70,9 @@ class NoCharge(msgspec.Struct, frozen=True, tag=True):
             how = "it is charging" if self.up else "its pantograph is not up"
         if self.full:
             how = "it is full"
-        return (
-            f"{self.needed_j / J_PER_KWH:.1f} kWh {where}: it has {self.has_j / J_PER_KWH:.1f} kWh, and {how}"
-        )
+        needed_kwh = math.ceil(10.0 * self.needed_j / J_PER_KWH) / 10.0  # never as much as it has
+        has_kwh = math.floor(10.0 * self.has_j / J_PER_KWH) / 10.0
+        return f"{needed_kwh:.1f} kWh {where}: it has {has_kwh:.1f} kWh, and {how}"
 
 
 Unable = TooSteep | NoCharge

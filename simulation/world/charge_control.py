@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final, Protocol
 
-from vehicle.battery import BatteryRow, available_j, carry, gives_max_w, takes_max_w
+from vehicle.battery import SHEDS_S, BatteryRow, available_j, carry, gives_max_w, takes_max_w
 from vehicle.compiled import compiled, compiled_when_called
 from vehicle.record import dtype_of
 from vehicle.records import PlantRow, TrainRow
@@ -32,7 +32,6 @@ MOVED: Final = 1
 TOLD: Final = 2
 
 WORTH_S: Final = 30.0  # assumed: nobody raises a pantograph for less charging than this
-SHEDS_S: Final = 60.0  # assumed: nothing is switched off at a stop of the timetable
 FULL_SHARE: Final = 0.999
 READY_S: Final = 1.0  # it is down this long before the set leaves
 
@@ -84,9 +83,9 @@ def is_full(battery: BatteryRow) -> bool:
 
 
 @compiled
-def has_enough(battery: BatteryRow, charging: ChargingRow, spare_j: float) -> bool:
+def has_enough(battery: BatteryRow, needed_j: float, spare_j: float) -> bool:
     """Whether the battery has what its unit asks for, and so much more, unless it takes no more."""
-    return available_j(battery) >= charging.needed_j + (0.0 if is_full(battery) else spare_j)
+    return bool(available_j(battery) >= needed_j + (0.0 if is_full(battery) else spare_j))
 
 
 @compiled_when_called
@@ -114,12 +113,13 @@ def steer(
     lowers_s = charging.leaves_s - ahead_s - charging.disconnect_s - READY_S
     if state == DOWN and held != 0 and charging.power_w > 0.0:
         worth = now_s + charging.connect_s + WORTH_S <= lowers_s
-        if worth or not has_enough(battery, charging, 0.0):
+        if worth or not has_enough(battery, charging.needed_j, 0.0):
             state, charging.moves_until_s = RISING, now_s + charging.connect_s
     elif state == RISING and now_s >= charging.moves_until_s:
         state = UP
     elif state == UP and (
-        (now_s >= lowers_s and has_enough(battery, charging, charging.spare_j)) or charging.power_w <= 0.0
+        (now_s >= lowers_s and has_enough(battery, charging.needed_j, charging.spare_j))
+        or charging.power_w <= 0.0
     ):
         state, charging.moves_until_s = FALLING, now_s + charging.disconnect_s
     elif state == FALLING and now_s >= charging.moves_until_s:

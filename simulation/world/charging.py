@@ -29,6 +29,7 @@ from simulation.world.charge_control import (
     TOLD,
     UP,
     ChargingRow,
+    has_enough,
     is_full,
     reset_charging,
 )
@@ -83,6 +84,12 @@ class BatteryGauge:
         return self._control.pantograph != DOWN or self._brought
 
     @property
+    def ready(self) -> bool:
+        """Whether the pantograph is up and has no more to wait for."""
+        enough = has_enough(self._battery, self._control.needed_j, self._control.spare_j)
+        return bool(self._control.pantograph == UP and enough)
+
+    @property
     def _brought(self) -> bool:
         return self._control.brought_w > 0.0
 
@@ -127,6 +134,7 @@ class Charging:
         self._dead: set[str] = set()
         self._off: dict[int, _Off] = {}
         self._pantograph = [DOWN] * len(self._batteries)
+        self._brought = [False] * len(self._batteries)
         self._level = [BatteryLevel.ENOUGH] * len(self._batteries)
         self._gauges: dict[int, BatteryGauge] = {}
         self._watches: dict[int, ChargeWatch] = {}
@@ -298,7 +306,8 @@ class Charging:
                 yield slot
 
     def look(self, step: int) -> list[int]:
-        """Write down how batteries are: now and then, and where a pantograph has gone up or down.
+        """Write down how batteries are: now and then, and where a pantograph has gone up or down, or a generator has
+        come or gone.
 
         Returns the sets whose pantograph has come down.
         """
@@ -311,6 +320,10 @@ class Charging:
             self._pantograph[slot] = state
             if state == DOWN and before != DOWN:
                 lowered.append(slot)
+            brought = bool(self._control[slot].brought_w > 0.0)
+            if brought is not self._brought[slot]:
+                self._brought[slot] = brought
+                self._write(slot, step, BatteryEvent.BROUGHT if brought else BatteryEvent.TAKEN_AWAY)
             if state == UP and before != UP:
                 self._write(slot, step, BatteryEvent.CONNECTED)
             elif before == UP and state != UP:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Final
@@ -148,6 +148,35 @@ def beginning_at(line: Line, duty: Duty, station_id: str, start: str, after: str
     begun = replace(train, calls=train.calls[at:], begins=FromTrain(after))
     own = replace(duty, train=begun, enters=False, enter_s=begun.calls[0].last_s, late_s=0.0)
     return from_section(line, own, start, length_m)
+
+
+def ordered_by(
+    line: Line, duties: Sequence[Duty], at: int, route_id: str, instead: str, length_m: float
+) -> tuple[Duty, ...]:
+    """A set's duties with another route for the train of that index, and from another track the next one, if any
+    (着発線変更). NoWay as `by_route` and `from_section`.
+    """
+    old, rest = duties[at], tuple(duties[at + 1 :])
+    duty = by_route(line, old, route_id, instead, length_m)
+    end = duty.mission.spans[-1].section_id
+    if duty.becomes is not None and end != old.mission.spans[-1].section_id:
+        rest = (from_section(line, rest[0], end, length_m), *rest[1:])
+    return (*duties[:at], duty, *rest)
+
+
+def cut_at(
+    line: Line, duties: Sequence[Duty], at: int, target: int, next_train: str, length_m: float
+) -> tuple[Duty, ...]:
+    """A set's duties whose train of that index ends at a target, where the set goes on as another; those between are
+    left out (運休). NoWay as `ending_at` and `beginning_at`, or where it has no such train.
+    """
+    old, here = duties[at], duties[at].mission.targets[target]
+    to = next((k for k in range(at + 1, len(duties)) if duties[k].train.number == next_train), None)
+    if to is None or here.station_id is None:
+        raise NoWay(f"{old.stock_id} has no train {next_train} from here")
+    ended = ending_at(line, old, target, next_train, length_m)
+    begun = beginning_at(line, duties[to], here.station_id, here.section_id, old.train.number, length_m)
+    return (*duties[:at], ended, begun, *duties[to + 1 :])
 
 
 def _calls_until(train: TimetableTrain, station_id: str | None) -> tuple[Call, ...]:

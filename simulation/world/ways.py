@@ -52,7 +52,9 @@ def _ways(
         first[mission.number] = len(hops)
         auxiliary_w = float(train.auxiliary_power_w)
         off = _off_line(setup, mission.number)
-        hops += hops_of(setup.believed_line, mission, runs, auxiliary_w, dwell_s, stays, off)
+        stays_on_w = auxiliary_w if setup.battery is None else setup.battery.shed_to_kw * 1e3
+        waits_w = max(auxiliary_w - stays_on_w, 0.0)
+        hops += hops_of(setup.believed_line, mission, runs, auxiliary_w, waits_w, dwell_s, stays, off)
     return SetWays(tuple(hops), first)
 
 

@@ -25,6 +25,10 @@ from vehicle.record import fields_of
 STEP_S: Final = 1.0
 LONGEST_S: Final = 4.0 * 3600.0  # a charge that does not suffice within it never does
 BEYOND: Final = ""  # the station of what happens off the line
+_ENDS: Final = {
+    BatteryEvent.CONNECTED: BatteryEvent.DISCONNECTED,
+    BatteryEvent.BROUGHT: BatteryEvent.TAKEN_AWAY,
+}
 FLOWS: Final = tuple(field.name.removesuffix("_j") for field in fields_of(BatteryFlows))
 
 
@@ -103,16 +107,16 @@ def _rows(records: Sequence[BatteryRecord], window: ChargeWindow) -> list[Batter
 def _charges(records: Sequence[BatteryRecord], window: ChargeWindow, setup: Setup) -> list[ChargeTaken]:
     """Every charge: from the first current to the last, and what the set took until the next one."""
     ends = [
-        (r, next((e for e in records[i + 1 :] if e.event is BatteryEvent.DISCONNECTED), records[-1]))
+        (r, next((e for e in records[i + 1 :] if e.event is _ENDS[r.event]), records[-1]))
         for i, r in enumerate(records)
-        if r.event is BatteryEvent.CONNECTED
+        if r.event in _ENDS
     ]
     following = [begin for begin, _ in ends[1:]]
     found: list[ChargeTaken] = []
     for index, (begin, end) in enumerate(ends):
         until = following[index] if index < len(following) else records[-1]
         needs_j = end.stored_j - until.stored_j
-        on_line = begin.station != BEYOND
+        on_line = begin.station != BEYOND or begin.event is BatteryEvent.BROUGHT
         suffices_s = least_charge_s(setup, begin, needs_j, window, drawn=on_line)
         found.append(
             ChargeTaken(
@@ -146,6 +150,8 @@ def least_charge_s(
     row["charge_c"] = begin.soc * row["full_c"]
     auxiliary_w = float(kind.row[0]["auxiliary_power_w"]) if drawn else 0.0
     supply_w = _supply_w(setup, begin)
+    if begin.event is BatteryEvent.BROUGHT and setup.battery is not None:  # all is off that can wait
+        auxiliary_w = min(auxiliary_w, setup.battery.shed_to_kw * 1e3)
     wanted_j = window.kept_j + needs_j
     time_s = 0.0
     while float(stored_j(row, soc_of(row))) < wanted_j:
@@ -157,7 +163,9 @@ def least_charge_s(
 
 
 def _supply_w(setup: Setup, begin: BatteryRecord) -> float:
-    """What charger or wire gives at most."""
+    """What charger, wire or generator gives at most."""
+    if begin.event is BatteryEvent.BROUGHT and setup.battery is not None:
+        return setup.battery.brought_kw * 1e3
     charger = setup.line.chargers.get(begin.station)
     if charger is not None:
         return charger.power_w

@@ -17,12 +17,12 @@ from onboard.mission import Target
 from onboard.reach import BatteryHop, SetWays, charger_at, stands_s, to_next_charge
 from simulation.battery_settings import BatterySettings, Departure
 from simulation.setup import Setup
-from simulation.world.charge_control import READY_S, SHEDS_S
+from simulation.world.charge_control import READY_S
 from simulation.world.roster import Duty
 from simulation.world.ways import ways_of
 from study.feasibility.finding import Finding, FindingKind, Severity, length_of_time, minute, severity_of
 from study.feasibility.planned import PlannedDay
-from vehicle.battery import available_j, charge_to, soc_of, stand, window_j
+from vehicle.battery import SHEDS_S, available_j, charge_to, soc_of, stand, window_j
 
 STEP_S = 5.0
 WAITS_S_MAX = 4.0 * 3600.0

@@ -11,12 +11,13 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Final
 
+from network.model import Line
 from onboard import notes
 from radio.noted import Lost, LostWhere, Noted, Sent, TookEffect
 from simulation import events
 from simulation.clock import Clock
 from simulation.events import MANAGER, JournalEntry
-from simulation.world.roster import Duty
+from simulation.world.roster import Duty, cut_at, ordered_by
 from study.record.wait import AwaitedRequest
 from wayside import said
 
@@ -40,6 +41,7 @@ _ASKS: Final[Mapping[str, AwaitedRequest]] = {
     "SignOff": AwaitedRequest.SIGN_OFF,
     "RouteRequest": AwaitedRequest.ROUTE,
     "HoldingReport": AwaitedRequest.REPORT,
+    "NextTrainReport": AwaitedRequest.REPORT,
 }
 
 
@@ -57,8 +59,10 @@ class StockView:
     """The unit as its notes show it. `at`: the stop where it stands or that it left last; `ready_s`: the dwell ends."""
 
     unit: str
-    duties: Sequence[Duty]
+    duties: Sequence[Duty]  # as orders have changed them so far
     dwell_s: float
+    line: Line
+    length_m: float
     train: str = ""
     duty: Duty | None = None
     doing: DutyStage = DutyStage.NOTHING
@@ -113,6 +117,13 @@ class StockView:
         reader = _READERS.get(type(entry.event))
         if reader is not None:
             reader(self, entry.t_s, entry.event)
+
+    def duties_after(self, entries: Sequence[JournalEntry]) -> Sequence[Duty]:
+        """The duties that it has run, or has yet to run, after these lines of the journal."""
+        if any(isinstance(entry.event, notes.EndedEarly) for entry in entries):
+            for entry in entries:
+                self.take(entry)
+        return self.duties
 
     def schedule(self, t_s: float, *, dwells: bool) -> None:
         """From when it may leave the stop at which it stands, its departure apart."""
@@ -249,6 +260,23 @@ def _route_held(view: StockView, _t_s: float, _event: notes.RouteHeld) -> None:
     view.commanded_s.clear()
 
 
+def _way_changed(view: StockView, _t_s: float, event: notes.WayChanged) -> None:
+    """What it asked for it asks for no more."""
+    view.requests.pop(AwaitedRequest.ROUTE, None)
+    if view.duty is not None:
+        at = view.duties.index(view.duty)
+        view.duties = ordered_by(view.line, view.duties, at, event.route_id, event.instead, view.length_m)
+        view.duty = view.duties[at]
+
+
+def _ended_early(view: StockView, _t_s: float, event: notes.EndedEarly) -> None:
+    view.requests.pop(AwaitedRequest.ROUTE, None)
+    if view.duty is not None:
+        at = view.duties.index(view.duty)
+        view.duties = cut_at(view.line, view.duties, at, view.at, event.next_train, view.length_m)
+        view.duty = view.duties[at]
+
+
 def _refused(asked: AwaitedRequest) -> Callable[[StockView, float, Any], None]:
     def refused(
         view: StockView, t_s: float, event: notes.SignOnDenied | notes.SignOffDenied | notes.RouteDenied
@@ -329,6 +357,8 @@ _READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] =
     notes.RouteHeld: _route_held,
     notes.RouteDenied: _refused(AwaitedRequest.ROUTE),
     notes.GaveBack: _gave_back,
+    notes.WayChanged: _way_changed,
+    notes.EndedEarly: _ended_early,
     notes.LimitSet: _limit,
     notes.Proven: _proven,
     notes.ProofDropped: _proof_dropped,

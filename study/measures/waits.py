@@ -55,10 +55,15 @@ def waits_of(result: RunResult, setup: Setup, holds: Iterable[SectionHold]) -> t
     history = RegisterHistory(_by_unit(result.journal.entries, entries), holds)
     where = Whereabouts(result)
     found: list[Wait] = []
+
+    def fresh(unit: str) -> StockView:
+        return StockView(unit, drawn.get(unit, ()), setup.unit.dwell_min_s, setup.line, setup.lengths_m[unit])
+
+    as_run = {unit: fresh(unit).duties_after(entries[unit]) for unit in drawn}
     for unit in result.stock_ids:
-        view = StockView(unit, drawn.get(unit, ()), setup.unit.dwell_min_s)
+        view = fresh(unit)
         days = stretches(result, unit)
-        finder = _Finder(setup, view, history, where, drawn)
+        finder = _Finder(setup, view, history, where, as_run)
         found += finder.day(days, entries[unit])
     return tuple(found)
 
@@ -80,7 +85,7 @@ class _Finder:
         view: StockView,
         history: RegisterHistory,
         where: Whereabouts,
-        drawn: Mapping[str, tuple[Duty, ...]],
+        drawn: Mapping[str, Sequence[Duty]],
     ) -> None:
         self._setup = setup
         self._view = view

@@ -41,11 +41,11 @@ class BatteryMoment:
 
 @dataclass(frozen=True, slots=True)
 class ChargeTaken:
-    """One charge, from the first current to the last."""
+    """One charge, from the first current to the last: at a charger, off the line, or by a generator brought."""
 
     unit: Unit
     train: Annotated[Train, "that leaves with it"]
-    station: Annotated[Station, "empty: off the line"]
+    station: Annotated[Station, "empty: off the line, or between stations"]
     from_s: Annotated[float, clock("from")]
     to_s: Annotated[float, clock("to")]
     soc_from: float

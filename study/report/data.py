@@ -59,8 +59,9 @@ class ReportedRun:
 
     @cached_property
     def units(self) -> tuple[str, ...]:
-        """Every unit that ran or held a section, by name."""
-        return tuple(sorted({*self.tables.trajectory["unit"], *self.tables.blocks["unit"]}))
+        """Every unit that is planned, ran or held a section, by name."""
+        planned = (diagram.stock_id for diagram in self.timetable.diagrams)
+        return tuple(sorted({*planned, *self.tables.trajectory["unit"], *self.tables.blocks["unit"]}))
 
     @cached_property
     def stations(self) -> tuple[Station, ...]:

@@ -197,10 +197,11 @@ def parts_fact(facts: Mapping[str, Any]) -> Fact:
     largest = [(text, kwh) for text, kwh in sorted(largest, key=lambda row: -row[1]) if abs(kwh) >= 0.05]
     largest.insert(0, (of["auxiliary_kwh"].name, auxiliary))
     text = joined_phrases(phrase("{what} {kwh:,.1f}").fill(what=what, kwh=kwh) for what, kwh in largest)
+    text = phrase("{parts} kWh").fill(parts=text)
     if parts["rejected"] >= 0.05:
-        lost = phrase("{kwh:,.1f} could have come back and was not taken").fill(kwh=parts["rejected"])
+        lost = phrase("{kwh:,.1f} kWh could have come back and was not taken").fill(kwh=parts["rejected"])
         text = joined_phrases((text, lost), "; ", "；")
-    return Fact(phrase("Where it went"), phrase("{parts} kWh").fill(parts=text))
+    return Fact(phrase("Where it went"), text)
 
 
 def net_by_distance(energy: Mapping[str, Any]) -> Phrase:

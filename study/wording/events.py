@@ -19,6 +19,7 @@ from study.wording.catalogue import phrase
 from study.wording.outcome import checker_name, unsafe_text
 from study.wording.phrase import NOTHING, Names, Phrase
 from study.wording.procedure import says_text
+from study.wording.reasons import reason
 from study.wording.script import act_text, fault_text, value_text
 from study.wording.telegrams import telegram
 from wayside import crossing_said, said
@@ -48,6 +49,11 @@ _AT_POINTS: Final = {
 }
 _SAID_BY_TWO: Final = phrase(", as another person has said: proofs are taken back")
 _OF_STEP: Final = {"train": phrase(" for train {}"), **_WHY}
+_LEVELS: Final[Mapping[events.BatteryLevel, Phrase]] = {
+    events.BatteryLevel.ENOUGH: phrase("enough", "battery level"),
+    events.BatteryLevel.LOW: phrase("low, heating and cooling are off", "battery level"),
+    events.BatteryLevel.EMPTY: phrase("empty", "battery level"),
+}
 EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     notes.Intervention: EventWording("intervention", phrase("{level}")),
     notes.EmergencyReleased: EventWording(
@@ -241,8 +247,10 @@ def _values(event: Noted, names: Names) -> dict[str, object]:
             fields["says"] = says_text(step, block, train)
         case events.DoorsHeld():
             fields["until"] = clock(int(event.until_s))
+        case notes.UnableToLeave(why=why):
+            fields["why"] = reason(why, names)
         case events.BatteryAt(level=level):
-            fields["level"] = phrase(level.value, "battery level")
+            fields["level"] = _LEVELS[level]
         case events.Unsafe():
             fields["how"] = unsafe_text(event)
         case crossing_notes.CrossingCreep(guarded=guarded):

@@ -3,8 +3,9 @@
 from typing import Any
 
 import polars as pl
+import pytest
 
-from branchline.running import _margin, _net, _off_the_mark  # pyright: ignore[reportPrivateUsage]
+from branchline.running import _errors, _margin, _net, _off_the_mark  # pyright: ignore[reportPrivateUsage]
 from study.report.facts import energy_fact
 
 BY = ("traction", "regenerated", "auxiliary", "net")
@@ -44,3 +45,15 @@ def test_stops_off_their_marks_are_warned_of() -> None:
         "warning: 22 of 1370 stops more than 0.35 m off their marks, -8.91 m the worst (7 at JNY)"
     )
     assert _off_the_mark({"stops": 1370, "stops_off": 0, "stop_off_at": None}) is None
+
+
+@pytest.mark.parametrize(
+    ("sigma_m", "says"),
+    [
+        (0.05, "error mean 0.016 m, sigma 0.050 m, largest 0.211 m"),
+        (None, "error mean 0.016 m, largest 0.211 m"),  # of one stop
+    ],
+)
+def test_what_a_single_stop_has_not_is_not_named(sigma_m: float | None, says: str) -> None:
+    figures = {"stop_error_m_mean": 0.016, "stop_error_m_sigma": sigma_m, "stop_error_m_max_abs": 0.211}
+    assert _errors(figures) == says

@@ -224,6 +224,9 @@ A, B, C, D = [140.0, 36.6], [140.01, 36.6], [140.02, 36.601], [140.03, 36.602]
             r"is \[140.0, 36.6\]; expected a track that goes each way once; a line has no branch",
         ),
         (polyline([A, B]), "at least three vertices"),
+        (polyline([A, A, A, A]), "features is 1; expected a track of at least three vertices"),
+        (polyline([]), "features is 0; expected a track of at least three vertices"),
+        (polyline([[36.6, 140.0], [36.6, 140.01], [36.6, 140.02]]), "longitude and latitude in degrees"),
         (polyline([A, B, [500.0, 36.0]]), "longitude and latitude"),
     ],
 )
@@ -340,6 +343,43 @@ def test_a_track_with_a_jump_is_none(tmp_path: Path) -> None:
     track = write(tmp_path, "polyline.json", polyline([A, B, [100.0, 36.0], C, D]))
     with pytest.raises(InputError, match="at most 10 km apart; after vertex 1"):
         read_geometry(track, write(tmp_path, "stations.json", stations(A, D)))
+
+
+ALONG = [[140.0 + 0.001 * i, 36.6 + 0.00002 * i * i] for i in range(31)]  # 2.7 km with a vertex every 90 m
+BACK = [[140.015, 36.6045], [140.018, 36.6054], [140.0151, 36.6046]]  # 280 m too far, and back
+ZIGZAG = [[lon + 0.0003 * (-1) ** i, lat + 0.0006 * (-1) ** i] for i, (lon, lat) in enumerate(ALONG)]
+TURNS_BACK = r"features is .140.01.*expected a track that does not turn back"
+
+
+@pytest.mark.parametrize(
+    ("track", "message"),
+    [
+        ([*ALONG[:15], *BACK, *ALONG[16:]], TURNS_BACK),
+        ([*ALONG[:15], ALONG[18], *ALONG[15:]], TURNS_BACK),
+        ([*ALONG[:15], ALONG[16], ALONG[15], *ALONG[17:]], TURNS_BACK),
+        (ZIGZAG, "a track that an axis can be fitted to"),
+    ],
+    ids=["a spike", "a vertex too soon", "two vertices in the wrong order", "from side to side"],
+)
+def test_a_track_that_turns_back_on_itself_is_refused_where_it_does(
+    tmp_path: Path, track: list[list[float]], message: str
+) -> None:
+    """In a long track an axis is fitted to some of these as well, and has that way in its length."""
+    pytest.importorskip("pyproj")
+    file = write(tmp_path, "polyline.json", polyline(track))
+    with pytest.raises(InputError, match=message):
+        read_geometry(file, write(tmp_path, "stations.json", stations(ALONG[1], ALONG[29])))
+
+
+def test_doubled_vertices_change_nothing(tmp_path: Path) -> None:
+    pytest.importorskip("pyproj")
+    table = write(tmp_path, "stations.json", stations(ALONG[1], ALONG[29]))
+    doubled = [place for place in ALONG for _ in range(2)]
+    once, twice = (
+        read_geometry(write(tmp_path, f"{len(track)}.json", polyline(track)), table)
+        for track in (ALONG, doubled)
+    )
+    assert once == twice
 
 
 def test_a_name_that_would_break_the_fragment_is_refused(tmp_path: Path) -> None:

@@ -29,6 +29,7 @@ class Gauge:
     full: bool = False
     up: bool = True
     keeps_j: float = 0.0
+    ready: bool = False
     asked: list[tuple[float, float]] = field(default_factory=list)
 
     @property
@@ -111,6 +112,21 @@ def test_at_a_charger_it_keeps_a_reserve_and_elsewhere_it_does_not() -> None:
     assert watch(gauge).why_not(down, 2) is None  # on its way: what is predicted is enough
 
 
+def test_on_its_way_it_does_without_what_can_wait_and_at_a_charger_it_does_not() -> None:
+    """Of the 5 kWh of the five stands before Karasuyama 4 can wait; to stay at a halt for heating helps nobody."""
+    down, _ = missions()
+    saving = SetWays(tuple(replace(hop, saves_j=0.8 * hop.stand_j) for hop in ways().hops), ways().first)
+    gauge = Gauge(has=1.1 * 31.0 * KWH + 0.1 * KWH)
+    own = ChargeWatch(LINE, saving, ChargeRules(True, 10.0 * KWH, 0.1), gauge)
+    assert own.why_not(down, 2) is None
+    assert gauge.asked[-1][0] == pytest.approx(1.1 * 31.0 * KWH)
+    assert gauge.keeps_j == pytest.approx(1.1 * 31.0 * KWH + 10.0 * KWH)
+    gauge.has -= 0.2 * KWH
+    assert own.why_not(down, 2) is not None
+    own.why_not(down, 1)
+    assert gauge.asked[-1][0] == pytest.approx(1.1 * 41.0 * KWH + 10.0 * KWH)
+
+
 def test_it_reckons_with_the_charge_it_will_have() -> None:
     down, _ = missions()
     departs_s = down.targets[1].departure_s
@@ -177,6 +193,49 @@ def test_where_the_plan_has_no_time_it_leaves_with_enough_and_the_pantograph_dow
     gauge = Gauge(has=90.0 * KWH, connected=True)
     why = watch(gauge).why_not(free, 1)
     assert why is not None and why.connected and gauge.asked[-1][1] == -math.inf
+
+
+def test_with_too_little_when_its_time_has_come_it_charges_until_its_way_is_free() -> None:
+    """Lowered as soon as it has enough, it would use that up as it waits, and be unable again, and so on."""
+    down, _ = missions()
+    needed_j, departs_s = 1.1 * 41.0 * KWH + 10.0 * KWH, down.targets[1].departure_s
+    gauge = Gauge(has=needed_j - 1.0 * KWH, gains_w=300e3, connected=True)
+    own = watch(gauge)
+    assert departs_s is not None
+    own.now_s = gauge.now_s = departs_s + 100.0
+    why = own.why_not(down, 1)
+    assert why is not None and not why.connected and not why.stays_up
+    assert gauge.asked[-1] == (pytest.approx(needed_j), math.inf)  # it may stay up for as long as it takes
+    gauge.has += 2.0 * KWH
+    why = own.why_not(down, 1)
+    assert (
+        why is not None and why.connected and not why.stays_up
+    )  # nothing to spare: no route is held for that
+    gauge.ready = True
+    why = own.why_not(down, 1)
+    assert why is not None and why.connected and why.stays_up
+    own.told(None)  # its way is not free
+    assert gauge.asked[-1][1] == math.inf
+    own.told(why)
+    assert gauge.asked[-1][1] == -math.inf
+    why = own.why_not(down, 1)
+    gauge.ready = False
+    why = own.why_not(down, 1)
+    assert why is not None and why.connected and why.stays_up  # on its way down
+    own.told(why)
+    assert len(gauge.asked) == 3  # and told so once
+    gauge.connected = False
+    assert own.why_not(down, 1) is None
+
+
+def test_what_it_lacks_is_never_said_to_be_what_it_has() -> None:
+    """Both are 55.1 kWh to a tenth."""
+    down, _ = missions()
+    gauge = Gauge(has=1.1 * 41.0 * KWH + 10.0 * KWH - 100.0)
+    why = watch(gauge).why_not(down, 1)
+    assert why is not None and why.words.startswith(
+        "55.1 kWh to KRS, where it can charge next: it has 55.0 kWh"
+    )
 
 
 def test_on_sight_nothing_is_asked_for_but_the_time_and_afterwards_all_again() -> None:

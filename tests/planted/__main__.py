@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -62,19 +62,24 @@ def noticed_by(defect: Planted, tree: Path) -> str:
     return next(told, "a test").split(" - ")[0]
 
 
-def main(words: list[str]) -> int:
-    """Plant what is asked for, and print a line each."""
-    chosen = [defect for defect in planted() if all(word in defect.what for word in words)]
-    unnoticed = 0
+def unnoticed_of(chosen: Sequence[Planted]) -> list[str]:
+    """Plant these, print a line each, and name those that no test noticed."""
+    unnoticed = list[str]()
     with tempfile.TemporaryDirectory() as folder:
         tree = copied(Path(folder))
         for defect in chosen:
             by = noticed_by(defect, tree)
-            unnoticed += not by
+            unnoticed += [] if by else [defect.what]
             sys.stdout.write(f"{defect.kind:8} {defect.what}: {by or 'NOT NOTICED'}\n")
             sys.stdout.flush()
-    sys.stdout.write(f"{len(chosen) - unnoticed} of {len(chosen)} noticed\n")
-    return int(unnoticed > 0)
+    sys.stdout.write(f"{len(chosen) - len(unnoticed)} of {len(chosen)} noticed\n")
+    return unnoticed
+
+
+def main(words: list[str]) -> int:
+    """Plant those whose name has all the words."""
+    chosen = [defect for defect in planted() if all(word in defect.what for word in words)]
+    return int(bool(unnoticed_of(chosen)))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A set that stands for hours where there is no charger, on a cold day: what it keeps, and who helps it.
+"""A set that stands for hours on a cold day: without a charger what it keeps, and who helps it; at one, how it waits.
 
 66 kW would take 130 kWh in two hours; V4 comes to Ogane with less than 45.
 """
@@ -15,18 +15,16 @@ from simulation.result import Ending
 from study.runner.run import FinishedRun
 from tests.plain import run_on_plain
 
-HOLD = (
-    '[[act]]\nkind = "hold_train"\nperson = "controller"\ntarget = "V4"\nstart = "train 333M arrives OGN"\n'
-)
+HOLD = '[[act]]\nkind = "hold_train"\nperson = "controller"\ntarget = "V4"\nstart = "train 333M arrives {}"\n'
 
 
-def stood(folder: Path, hold_s: float, *, react: bool = False) -> FinishedRun:
-    """The day on which V4 is held at Ogane for a time."""
+def stood(folder: Path, hold_s: float, *, at: str = "OGN", react: bool = False) -> FinishedRun:
+    """The day on which V4 is held at a station for a time: at Ogane, where there is no charger."""
     path = folder / "stood.toml"
     text = (
         'extends = "karasuyama_battery"\nid = "stood"\nname = "stood"\n[battery]\nheating_kw = 36.0\n'
         "[dispatch]\ncertificate = true\n[limits]\nstall_limit_s = 20000.0\ntime_limit_s = 14400.0\n"
-        f"[people]\nreact = {str(react).lower()}\n{HOLD}hold_s = {hold_s}\n"
+        f"[people]\nreact = {str(react).lower()}\n{HOLD.format(at)}hold_s = {hold_s}\n"
     )
     path.write_text(text, "utf-8")
     return run_on_plain(path)
@@ -42,7 +40,23 @@ def test_after_two_hours_it_goes_on_by_itself(tmp_path: Path) -> None:
     run = stood(tmp_path, 7200.0)
     assert run.result.ended_because is Ending.FINISHED and not run.broken
     assert levels(run)[:2] == [BatteryLevel.LOW, BatteryLevel.ENOUGH]
-    assert not [e for e in run.result.journal.entries if e.who == "V4" and isinstance(e.event, UnableToLeave)]
+    assert unable(run, "OGN") == []
+
+
+def unable(run: FinishedRun, station: str) -> list[float]:
+    """When V4 said at a station that it is unable to leave, s."""
+    entries = [(e.t_s, e.event) for e in run.result.journal.entries if e.who == "V4"]
+    return [t_s for t_s, e in entries if isinstance(e, UnableToLeave) and e.station == station]
+
+
+@pytest.mark.nightly
+def test_at_a_charger_it_charges_until_its_way_is_free(tmp_path: Path) -> None:
+    """Held for two hours it is unable when its time comes and as its pantograph comes down, and not all the while."""
+    run = stood(tmp_path, 7200.0, at="KRS")
+    assert run.result.ended_because is Ending.FINISHED and not run.broken
+    arrives_s = run.tables.stops.filter(train="333M", station="KRS")["arrival_s"][0]
+    assert arrives_s is not None
+    assert 1 <= len([t_s for t_s in unable(run, "KRS") if t_s < arrives_s + 7200.0 + 900.0]) <= 2
 
 
 @pytest.mark.nightly
@@ -54,6 +68,9 @@ def test_after_four_hours_staff_bring_it_power(tmp_path: Path) -> None:
     assert unable < brought[0] < able
     left = run.tables.stops.filter(train="333M", station="OGN")["departure_s"][0]
     assert left is not None and left > able
+    charge = run.tables.charges.filter(unit="V4", station="OGN")
+    assert charge["from_s"][0] == pytest.approx(brought[0], abs=10.0)
+    assert charge["to_s"][0] == pytest.approx(able, abs=10.0)
 
 
 def test_power_is_brought_to_sets_on_batteries_alone(tmp_path: Path) -> None:

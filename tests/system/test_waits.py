@@ -126,6 +126,11 @@ DRILLS = (
     "rtri/52_unit_frozen",
     "rtri/53_word_without_a_place",
     "rtri/55_unit_dead_for_good",
+    "rtri/90_other_track",
+    "rtri/91_route_back",
+    "rtri/92_ends_early",
+    "rtri/92d_ends_early_report_lost",
+    "rtri/93_left_out",
     "rtri/95_substitute_working",
     "shigaraki/01_as_it_was",
     "karasuyama/28_unit_restart_out_of_coverage",
@@ -146,6 +151,7 @@ EVERY_RUN = (  # whose waits are looked at below besides
     "rtri/42_doors",
     "rtri/52_unit_frozen",
     "rtri/53_word_without_a_place",
+    "rtri/92_ends_early",
     "rtri_test_line",
 )
 EVERY = pytest.mark.parametrize("name", others_nightly((*DRILLS, *SHIPPED), EVERY_RUN))
@@ -219,6 +225,12 @@ def test_a_route_that_another_train_holds_names_it_and_until_when() -> None:
         "T3 waits at A for its way: section 8 is held by T1 (K1) since "
     )
     assert "8区間をT1 (K1)が" in text_of(wait, names).ja
+
+
+def test_who_goes_on_as_another_train_waits_for_the_time_of_that_one() -> None:
+    """T1 ends at A by order; T2, which was to begin at B, is to leave A at 10:12."""
+    wait = the(observed("rtri/92_ends_early"), "K1", Cause.DEPARTURE_TIME, train="T2")
+    assert (wait.place, wait.until_s, wait.to_s) == ("A", 36720.0, 36720.0)
 
 
 def test_a_manager_without_power_is_named() -> None:

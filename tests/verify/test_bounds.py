@@ -6,16 +6,21 @@ import pytest
 
 from papers.joint_faults import FAILS, Trouble, carried_in
 from papers.position_fusion import FORGIVING, JOINT
+from tests.nightly import others_nightly
 from verify.evidence.bounds import Candidate, Searched, TriedRun, in_words, search, try_out
 
 SEED = 2
+SEARCHES = (
+    (2026, 14),
+    *((seed, 1000) for seed in range(2026, 2036)),
+)  # a slice, and 10,000 runs in parts by night
 
 
 @cache
-def searched(runs: int) -> tuple[Searched, list[TriedRun]]:
+def searched(seed: int, runs: int) -> tuple[Searched, list[TriedRun]]:
     """With the nearest so far after each run."""
     nearest: list[TriedRun] = []
-    return search(2026, runs, JOINT, watch=lambda _count, best: nearest.append(best)), nearest
+    return search(seed, runs, JOINT, watch=lambda _count, best: nearest.append(best)), nearest
 
 
 def test_it_finds_a_reflection_in_a_slide_when_receivers_forgive_it_and_not_otherwise() -> None:
@@ -28,13 +33,11 @@ def test_it_finds_a_reflection_in_a_slide_when_receivers_forgive_it_and_not_othe
     assert not try_out(SEED, first.candidate, JOINT).broken
 
 
-@pytest.mark.parametrize(
-    "runs", [pytest.param(14, id="slice"), pytest.param(10_000, id="all", marks=pytest.mark.nightly)]
-)
-def test_no_searched_run_leaves_its_bounds(runs: int) -> None:
-    found, nearest = searched(runs)
+@pytest.mark.parametrize(("seed", "runs"), others_nightly(SEARCHES, SEARCHES[:1], columns=True))
+def test_no_searched_run_leaves_its_bounds(seed: int, runs: int) -> None:
+    found, nearest = searched(seed, runs)
     assert found.runs == runs
-    assert not found.broken, in_words(2026, found.broken[0])
+    assert not found.broken, in_words(seed, found.broken[0])
     assert any(tried.candidate.troubles for tried in nearest)
     for tried in nearest:
         known = {kind for sensor in carried_in(tried.candidate.number) for kind in FAILS.get(sensor, {})}
@@ -51,4 +54,4 @@ def test_a_gyro_that_goes_bad_within_what_is_compared_moves_nothing() -> None:
 
 
 def test_the_same_seed_gives_the_same_search() -> None:
-    assert search(2026, 14, JOINT).nearest == searched(14)[0].nearest
+    assert search(2026, 14, JOINT).nearest == searched(2026, 14)[0].nearest

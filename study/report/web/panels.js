@@ -408,7 +408,7 @@ function tuningIn(host, context) {
 export function sectionsPaper(host, context) {
   const { day, words } = context;
   const doc = host.ownerDocument;
-  host.append(element(doc, "p", { class: "caption" }, words.say(day.blocks.length ? "By the manager's register (pale) and in truth (solid), by unit." : "No section was granted in this run: people or signals let trains go.")));
+  host.append(element(doc, "p", { class: "caption" }, words.say(day.blocks.length ? "By the manager's register (pale) and in truth (solid), by unit." : "No section was granted in this run: none was asked for, or people or signals let trains go.")));
   if (!day.blocks.length) return;
   const readout = element(doc, "p", { class: "readout", "aria-live": "polite" }, "\u00a0");
   const stage = element(doc, "div", { class: "stage" });

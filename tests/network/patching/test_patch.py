@@ -298,3 +298,27 @@ def test_tags_that_do_not_exist_cannot_be_taken_out(table: dict[str, Any], key: 
     with pytest.raises(InputError) as caught:
         load_patched_line(shipped_line("rtri_test_line"), {"remove_tags": table}, "what_if.toml")
     assert (caught.value.file, caught.value.key) == ("what_if.toml", key)
+
+
+@pytest.mark.parametrize(
+    ("patch", "key", "named"),
+    [
+        ({"remove": {"alignments": ["main"]}}, "patch.line", "alignments"),
+        ({"set": {"alignments": "x"}, "add": {"limits": [{}]}}, 'patch.line.set."alignments"', "list"),
+        ({"set": {"tags": "x"}, "add": {"tags": [{}]}}, 'patch.line.set."tags"', "list"),
+        (
+            {"set": {"alignments.main.limits": ["a", "b"]}, "add": {"limits": [{"from_km": 0.0}]}},
+            'patch.line.set."alignments.main.limits"[0]',
+            "dictionary",
+        ),
+    ],
+)
+def test_a_patch_that_leaves_no_line_is_to_blame_and_what_is_lacking_is_the_lines(
+    patch: dict[str, Any], key: str, named: str
+) -> None:
+    """What it left is read once, as the line's own file."""
+    with pytest.raises(InputError) as raised:
+        load_patched_line(SAMPLE_FILE, patch, "what_if.toml")
+    assert (raised.value.file, raised.value.key) == ("what_if.toml", key)
+    assert named in raised.value.expected
+    assert "what_if.toml" not in raised.value.expected

@@ -23,7 +23,7 @@ from onboard.duty.records import (
     TimerDue,
     VehicleChecked,
 )
-from onboard.duty.unable import TooSteep
+from onboard.duty.unable import NoCharge, TooSteep
 from tests.onboard.duty.stage import (
     AT_A,
     BEFORE_7,
@@ -53,6 +53,8 @@ BEFORE_A_CLIMB: Final = moved(AT_A, unable=TOO_STEEP)
 UNABLE: Final = replace(STANDING, place=BEFORE_A_CLIMB, may_ask=True, unable=TOO_STEEP)
 SAYS_UNABLE: Final = Write(notes.UnableToLeave(station="A", why=TOO_STEEP.words))
 LOOKS_AGAIN: Final = SetTimer(ABLE, LOOKS_AGAIN_S)
+CHARGES: Final = NoCharge("C", 60e3, 50e3, charges=True, connected=True, stays_up=True)
+AT_A_CHARGER: Final = moved(AT_A, unable=CHARGES)
 READY: Final = replace(
     STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_ask=True, may_leave=True
 )
@@ -144,6 +146,32 @@ VEHICLE: Final[dict[str, Case]] = {
         BEFORE_A_CLIMB,
         replace(READY, place=BEFORE_A_CLIMB, unable=TOO_STEEP),
         (SAYS_UNABLE, LOOKS_AGAIN),
+    ),
+    "its pantograph stays up until its way is free: it asks for its route meanwhile": (
+        STANDING,
+        TimerDue(ASK),
+        AT_A_CHARGER,
+        replace(
+            STANDING,
+            place=AT_A_CHARGER,
+            may_ask=True,
+            authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
+        ),
+        (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
+    ),
+    "with its way free and its time come, its pantograph is to come down first": (
+        replace(READY, may_leave=False),
+        TimerDue(LEAVE),
+        AT_A_CHARGER,
+        replace(READY, place=AT_A_CHARGER, unable=CHARGES),
+        (LOOKS_AGAIN,),
+    ),
+    "its pantograph is down, and it departs": (
+        replace(READY, place=AT_A_CHARGER, unable=CHARGES),
+        Looked(),
+        AT_A,
+        replace(READY, phase=DutyPhase.RUNNING),
+        (Write(notes.Departs(station="A")), DrivingOrder.DEPART),
     ),
     "unable and without a position, its crew decides": (
         replace(UNABLE, may_leave=True),

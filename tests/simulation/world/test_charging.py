@@ -21,6 +21,7 @@ from simulation.world.charging import Charging
 from simulation.world.on_board import OnBoard
 from simulation.world.roster import drawn_up
 from simulation.world.trains import Trains
+from simulation.world.ways import ways_of
 from vehicle.battery import available_j
 
 KWH = 3.6e6
@@ -123,3 +124,23 @@ def test_a_battery_charges_with_its_pantograph_up_alone() -> None:
     for state in (DOWN, UP, FALLING):
         world.control["pantograph"] = state
         assert gauge.up is (state == UP) and gauge.connected is (state != DOWN)
+
+
+def test_a_stand_without_a_charger_can_do_without_what_is_off_in_a_long_one() -> None:
+    """336M stands at Ogane for 7 min by plan: 30 kW, of which 25 kW can be off once it has stood for a minute."""
+    setup = battery_setup()
+    hops = ways_of(setup, drawn_up(setup, setup.line))["V4"].ahead("336M", 0)
+    stand = next(hop for hop in hops if hop.to_place == "OGN")
+    assert stand.stand_j == pytest.approx(420.0 * 30e3)
+    assert stand.saves_j == pytest.approx(360.0 * 25e3)
+    assert next(hop for hop in hops if hop.to_place == "KNY").saves_j == 0.0
+
+
+def test_a_generator_that_comes_and_goes_is_written_down() -> None:
+    world = World(battery_setup())
+    world.charging.look(0)
+    for brought_w in (60e3, 60e3, 0.0):
+        world.control["brought_w"] = brought_w
+        world.charging.look(1)
+    events = [record.event for record in world.charging.records if record.stock_id == "V4"]
+    assert events[1:] == [BatteryEvent.BROUGHT, BatteryEvent.TAKEN_AWAY]

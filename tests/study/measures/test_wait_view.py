@@ -9,6 +9,7 @@ from radio.noted import Noted
 from scenario.scenario import load_scenario
 from simulation.events import WORLD, JournalEntry, Left, PowerOff, PowerOn
 from simulation.world.roster import drawn_up
+from study.drilling.drill import find_drill
 from study.measures.wait_view import DutyStage, StockView, subject_of
 
 UNIT: Final = "V3"
@@ -18,7 +19,7 @@ UNIT: Final = "V3"
 def view() -> StockView:
     """Of a set that comes by the portal as 323M, turns, leaves as 326M, and comes again as 331M."""
     setup = load_scenario("karasuyama_weekday").setup
-    return StockView(UNIT, drawn_up(setup, setup.line)[UNIT], 20.0)
+    return StockView(UNIT, drawn_up(setup, setup.line)[UNIT], 20.0, setup.line, setup.lengths_m[UNIT])
 
 
 def took(view: StockView, t_s: float, *events: Noted) -> None:
@@ -56,3 +57,34 @@ def test_who_was_hauled_away_does_nothing_more_of_its_train(view: StockView) -> 
     took(view, 100.0, PowerOff(device_id=UNIT), Left(unit_id=UNIT))
     assert (view.doing, view.signed_on) == (DutyStage.GONE, False)
     assert view.next_duty is not None and view.next_duty.train.number == "326M"
+
+
+def of_drill(name: str, unit: str) -> StockView:
+    setup = load_scenario(find_drill(name)).setup
+    return StockView(unit, drawn_up(setup, setup.line)[unit], 20.0, setup.line, setup.lengths_m[unit])
+
+
+def told(view: StockView, *events: Noted) -> list[JournalEntry]:
+    return [JournalEntry(float(k), view.unit, event) for k, event in enumerate(events)]
+
+
+def test_who_goes_to_another_track_by_order_has_that_way_ahead_and_none_of_the_old_one() -> None:
+    view = of_drill("rtri/90_other_track", "K2")
+    begun = notes.MissionBegun(train="T3", direction="down")
+    in_a = notes.WayChanged(route_id="PW>3", instead="PW>4")
+    for entry in told(view, begun, in_a, notes.WayChanged(route_id="4>8", instead="4>9")):
+        view.take(entry)
+        assert view.duty in view.duties
+    assert view.duty is not None
+    ways = [route.id for route in view.duty.mission.routes]
+    assert "4>9" in ways and "9>PE" in ways and "4>8" not in ways and "8>PE" not in ways
+
+
+def test_who_goes_on_as_another_train_has_the_trains_between_no_more() -> None:
+    view = of_drill("rtri/93_left_out", "K1")
+    assert [duty.train.number for duty in view.duties] == ["T1", "T2", "T3"]
+    begun = notes.MissionBegun(train="T1", direction="down")
+    ended = notes.EndedEarly(train="T1", station="A", next_train="T3")
+    after = view.duties_after(told(view, begun, ended))
+    assert [(duty.train.number, duty.becomes) for duty in after] == [("T1", "T3"), ("T3", None)]
+    assert [call.station_id for call in after[0].train.calls] == ["A"]

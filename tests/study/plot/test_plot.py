@@ -401,3 +401,20 @@ def test_punctuality_says_what_its_marks_are_where_no_train_has_arrived(
     )
     assert [text.get_text() for text in share.get_legend().get_texts()] == ["departure"]
     assert late.get_xticklabels()[0].get_text() == "A" * 13 + "."
+
+
+@pytest.mark.parametrize(
+    "kind", ["track-occupation", "section-occupancy", "train-graph", "delays", "punctuality"]
+)
+def test_a_set_that_never_came_is_in_the_pictures_of_the_plan(read: RunRead, kind: str) -> None:
+    times = [pl.lit(None, pl.Float64).alias(name) for name in ("arrival_s", "departure_s")]
+    tables = replace(
+        read.tables,
+        stops=read.tables.stops.with_columns(times),
+        trajectory=read.tables.trajectory.clear(),
+        blocks=read.tables.blocks.clear(),
+    )
+    run = chosen_run(replace(read, tables=tables), Choice())
+    with drawing():
+        figure = figure_of(run, kind_of(kind))
+    assert not {"nan", "inf", "None"} & {text.get_text() for text in figure.findobj(Text)}  # type: ignore[union-attr]

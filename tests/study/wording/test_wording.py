@@ -16,15 +16,27 @@ from network.files.shipped import shipped_line
 from network.making.sample_day import timetable_toml
 from network.model import Direction, Position, TagPurpose
 from onboard.driving.tasc import StopVerdict
+from onboard.duty.unable import NoCharge
 from onboard.localisation.fix import OUTCOMES
 from onboard.localisation.table import READER_NAMES
+from onboard.notes import UnableToLeave
 from plan.arranging.arrange import _assumed
 from plan.arranging.problem import Arranged, PrintedMove
 from radio import messages
 from radio.envelope import DropReason
 from radio.noted import Noted
 from scenario.scenario import load_scenario
-from simulation.events import EVENTS, Collision, Danger, EventType, FaultBegan, FaultOver, word_of
+from simulation.events import (
+    EVENTS,
+    BatteryAt,
+    BatteryLevel,
+    Collision,
+    Danger,
+    EventType,
+    FaultBegan,
+    FaultOver,
+    word_of,
+)
 from simulation.faults.script import ActKind, Expectation, Property, ScriptedFault, matcher_of
 from simulation.faults.table import FAULTS
 from simulation.judge.checkers import Checker
@@ -45,7 +57,7 @@ from study.wording.catalogue import phrases_of
 from study.wording.compared import compared_name
 from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.forms import phrase_by_form
-from study.wording.phrase import Phrase
+from study.wording.phrase import Phrase, names_of
 from study.wording.reasons import reason
 from vehicle.train_file import load_train, shipped_train
 from wayside.reentry import PictureClash
@@ -98,6 +110,22 @@ def test_every_event_that_is_told_is_told_in_japanese_with_all_that_it_says(even
     shared = re.findall(r"K1|1\.5|甲", said.ja)
     if event is not Collision:  # whose text is the carrier's own
         assert len(shared) >= len(re.findall(r"K1|Here", said.en))
+
+
+def test_what_a_set_lacks_to_its_next_charge_names_the_station() -> None:
+    why = NoCharge("KRS", 20.04 * 3.6e6, 20.06 * 3.6e6, charges=False).words
+    names = names_of(load_line(shipped_line("karasuyama")))
+    said = event_text(UnableToLeave(station="OGN", why=why), names)
+    assert said.en.startswith(
+        "unable to leave Ogane: 20.1 kWh to Karasuyama, where it can charge next: it has 20.0 kWh"
+    )
+    assert "烏山" in said.ja and "KRS" not in said.ja
+
+
+def test_of_a_low_battery_it_is_said_what_that_means() -> None:
+    low = event_text(BatteryAt(unit_id="V4", level=BatteryLevel.LOW), {})
+    assert low.en == "the battery of V4: low, heating and cooling are off"
+    assert low.ja == "V4の蓄電池：低下（暖冷房などを停止）"
 
 
 def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
