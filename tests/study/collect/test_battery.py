@@ -89,11 +89,11 @@ def test_what_a_generator_gives_is_a_charge_and_not_the_way_of_the_one_before() 
         record(4000.0, 0.35, BatteryEvent.TAKEN_AWAY),
         record(5000.0, 0.3, BatteryEvent.CONNECTED),
     ]
-    charges = battery_tables(rows, SETUP)["charges"]
+    charges = battery_tables(rows, setup())["charges"]
     assert charges["minutes"].to_list() == [10.0, pytest.approx(1000.0 / 60.0), 0.0]
     assert charges["next_way_kwh"][0] == pytest.approx((rows[1].stored_j - rows[2].stored_j) / KWH)
-    window = windows_of(SETUP)["V1"]
+    window = windows_of(setup())["V1"]
     begin = record(0.0, 0.25, BatteryEvent.BROUGHT)
     needs_j = begin.stored_j + 10.9 * KWH - window.kept_j
-    least_s = least_charge_s(SETUP, begin, needs_j, window, drawn=True)
+    least_s = least_charge_s(setup(), begin, needs_j, window, drawn=True)
     assert least_s == pytest.approx(720.0, rel=0.02)
