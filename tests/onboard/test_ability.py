@@ -13,7 +13,7 @@ from onboard import ability
 from onboard.ability import Ability, Means, WayAhead, too_steep, why_not
 from onboard.charge import ChargeWatch
 from onboard.duty.records import DrivingCommand, Looked, VehicleChecked
-from onboard.duty.unable import TooSteep
+from onboard.duty.unable import TooSteep, Unable
 from onboard.mission import Mission
 from onboard.records import MODE_DRIVE, MODE_HOLD, BehaviourRow
 from onboard.vehicle import IN_ORDER
@@ -129,6 +129,9 @@ class Pantograph:
 
     def why_not(self, _mission: Mission, _at: int) -> None:
         return None
+
+    def told(self, _unable: Unable | None) -> None:
+        """Why its train may not leave is nothing to this one."""
 
     def on_sight(self, _mission: Mission, at: int) -> None:
         self.asked.append(at)
