@@ -163,8 +163,8 @@ class Composition:
             if event.word and self._early(state):
                 continue
             if event.about >= 0:
-                view = self.view(state, event.about)
-                hears = bool(state.cells[event.about].air[1])
+                about: int = event.about
+                view, hears = self.view(state, about), state.cells[about].air[1] != ()
                 if event.quiet and hears:
                     continue
                 may = not view.speaks or (event.corrects and not hears)

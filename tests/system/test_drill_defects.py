@@ -226,16 +226,15 @@ def says_everything_over_the_cable(patch: pytest.MonkeyPatch) -> None:
 # what it checks lies in compiled code that no test can patch: that slides widen the bounds (tests/onboard)
 NOT_YET: Final = frozenset({"27_slippery_rail"})
 
+LOW_SPEED: Final = "low speed until position and holdings are known"
+NOTHING_GRANTED: Final = "nothing is granted while it is off or undefined"
 # drill: switch, and one expectation or checker that must object
 WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
     {
         "01_normal": ("releases_at_the_front", "no invariant is broken"),
         "02_turn_back": (turns_without_its_position, "no invariant is broken"),
         "03_block_held": ("grants_what_another_holds", "the request is refused: section 8 is held"),
-        "04_unit_power_position_fixed": (
-            "restarts_at_full_speed",
-            "low speed until position and holdings are known",
-        ),
+        "04_unit_power_position_fixed": ("restarts_at_full_speed", LOW_SPEED),
         "05_unit_power_position_unknown": (
             crew_does_not_stop_before_points,
             "the train is stopped before the points and the crew looks how they lie",
@@ -244,20 +243,11 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "06_unit_manager_link": (reports_once, "afterwards all together"),
         "07_unit_terminal_link": ("does_not_wait_for_proof", "no invariant is broken"),
         "08a_tachometer_scale": ("compares_no_axles", "another axle contradicts it"),
-        "08b_tachometer_silent": (
-            "restarts_at_full_speed",
-            "low speed until position and holdings are known",
-        ),
+        "08b_tachometer_silent": ("restarts_at_full_speed", LOW_SPEED),
         "08c_tachometer_silent_at_start": (ignores_position_faults, "position fault"),
         "08d_tachometer_stuck": (ignores_position_faults, "position fault"),
-        "09_manager_power": (
-            "starts_with_every_section_free",
-            "nothing is granted while it is off or undefined",
-        ),
-        "09b_manager_power_by_hand": (
-            "starts_with_every_section_free",
-            "nothing is granted while it is off or undefined",
-        ),
+        "09_manager_power": ("starts_with_every_section_free", NOTHING_GRANTED),
+        "09b_manager_power_by_hand": ("starts_with_every_section_free", NOTHING_GRANTED),
         "10_manager_link": ("silence_frees", "no invariant is broken"),
         "11_terminal_link": ("does_not_wait_for_proof", "it does not enter them"),
         "12_terminal_power": ("does_not_wait_for_proof", "it does not enter them"),
@@ -287,10 +277,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "24_manager_frozen": (obeys_only_while_it_hears_the_manager, "T1 runs on within what it holds"),
         "25_wrong_tag_id": ("believes_any_tag", "the unit does not believe it"),
         "26_tags_swapped": (believes_any_tag_at_once, "no invariant is broken"),
-        "28_unit_restart_at_departure": (
-            "restarts_at_full_speed",
-            "low speed until position and holdings are known",
-        ),
+        "28_unit_restart_at_departure": ("restarts_at_full_speed", LOW_SPEED),
         "35_one_network_lost": ("hears_the_first_network_alone", "every telegram arrives over the other"),
         "35b_both_networks_lost": ("does_not_wait_for_proof", "no invariant is broken"),
         "40_clock_wrong": (judges_no_time, "the terminal drops its commands as of a time that cannot be"),
