@@ -50,7 +50,7 @@ def stand_face_to_face(composition: Composition, state: StateOfLine) -> bool:
 def test_whoever_is_stuck_after_two_power_cuts_stands_face_to_face() -> None:
     parties = ExploredParties(ExploredLine(budgets=Budgets(power=2)))
     expansion = Expansion(parties)
-    space, rank, dead, _ = judged_space(expansion, 10_000_000, lambda _: None, expansion.broken)
+    space, rank, dead, _ = judged_space(expansion, 20_000_000, lambda _: None, expansion.broken)
     assert space.complete
     assert not len(space.broken)
     assert rank is not None
