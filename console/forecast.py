@@ -21,7 +21,7 @@ from study.feasibility.planned import planned_day
 from study.runner.journeys import journeys_of
 from wayside import said
 from wayside.config import DispatchEntry, OrderRule, manager_config
-from wayside.journeys import DayProgress, Days, PlannedMove, next_hop
+from wayside.journeys import DayProgress, Days, next_hop
 from wayside.order import played_through
 from wayside.places import stands_of
 from wayside.register import Register, start
@@ -105,7 +105,7 @@ class DayForecast:
             if not hop.route_id:
                 continue
             own = points.setdefault(hop.train, [])
-            own.append((move.leaves_s, self._m(_start_of(days, hop))))
+            own.append((move.leaves_s, self._m(days.ways.routes[hop.route_id].from_section)))
             own.append((move.comes_s, self._m(hop.section_id)))
         return tuple(
             TrainForecast(
@@ -144,7 +144,3 @@ class DayForecast:
 
     def _keep(self, unit: str, until_s: float) -> None:
         self._register = self._register.with_trip(unit, replace(self._register.trip(unit), back_s=until_s))
-
-
-def _start_of(days: Days, hop: PlannedMove) -> str:
-    return days.ways.routes[hop.route_id].from_section

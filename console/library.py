@@ -49,16 +49,9 @@ def library(runs: Path = RUNS) -> tuple[LibraryEntry, ...]:
         *(
             LibraryEntry(Opens.RUN, folder.name)
             for folder in sorted(runs.iterdir() if runs.is_dir() else ())
-            if is_run(folder)
+            if all((folder / name).is_file() for name in (SUMMARY_FILE, INPUTS_FILE))
+            and not (folder / INCOMPLETE_FILE).exists()
         ),
-    )
-
-
-def is_run(folder: Path) -> bool:
-    """Whether a folder looks like that of a finished run."""
-    return (
-        all((folder / name).is_file() for name in (SUMMARY_FILE, INPUTS_FILE))
-        and not (folder / INCOMPLETE_FILE).exists()
     )
 
 

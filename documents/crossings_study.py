@@ -51,14 +51,9 @@ class WarningBefore:
     at_s: float
 
     @property
-    def may_differ_s(self) -> float:
-        """By how much the warning may be longer than wanted."""
-        return CONSTANT_S + self.beyond_m / self.speed_mps
-
-    @property
     def constant(self) -> bool:
         """Whether it is as long as wanted, to a second and the bound over the speed."""
-        return -CONSTANT_S <= self.warned_s - self.wanted_s <= self.may_differ_s
+        return -CONSTANT_S <= self.warned_s - self.wanted_s <= CONSTANT_S + self.beyond_m / self.speed_mps
 
 
 def warnings_of(run: RunRead | ReportedRun) -> list[WarningBefore]:

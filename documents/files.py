@@ -242,7 +242,7 @@ def _row(
     return (
         f"`{key}`",
         _type(own, field),
-        _unit(key),
+        next((unit for ending, unit in UNIT_OF.items() if key.endswith(ending)), ""),
         _choice(numbers) or range_text(numbers),
         default,
         example,
@@ -282,10 +282,6 @@ def _choice(field: Mapping[str, Any]) -> str:
     if "const" in field:
         return f"`{field['const']}`"
     return ", ".join(f"`{value}`" for value in field.get("enum", ()))
-
-
-def _unit(key: str) -> str:
-    return next((unit for ending, unit in UNIT_OF.items() if key.endswith(ending)), "")
 
 
 def _first_line(text: str) -> str:

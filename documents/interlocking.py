@@ -20,7 +20,7 @@ from documents.state_diagrams import machine_diagram
 from onboard.authority import machine as authority
 from onboard.crossings import machine as crossings
 from onboard.duty import machine as duty
-from radio.table import TableCell
+from radio.table import TableCell, rows
 from simulation.judge.checkers import Checker
 from simulation.world import crossing_equipment, point_machine
 from wayside import block_manager, level_crossing, point_terminal
@@ -70,17 +70,17 @@ class TableLine:
 def document(runs: str | None = None) -> str:
     """The whole document. Runs the paper's test line some twenty times, unless `runs` says what they show."""
     parts = [_HEAD, "## What always holds", _invariants(), "## The machines", _MACHINES]
-    for title, rows in (
+    for title, cells in (
         ("Block manager", block_manager.table_rows()),
-        ("Point terminal", point_terminal.table_rows()),
-        ("Point machine", point_machine.table_rows()),
-        ("Level crossing", level_crossing.table_rows()),
-        ("Barriers of a level crossing", crossing_equipment.table_rows()),
-        ("On-board unit: duty", duty.table_rows()),
-        ("On-board unit: authority", authority.table_rows()),
-        ("On-board unit: level crossings", crossings.table_rows()),
+        ("Point terminal", rows(point_terminal.TABLE)),
+        ("Point machine", rows(point_machine.TABLE)),
+        ("Level crossing", rows(level_crossing.TABLE)),
+        ("Barriers of a level crossing", rows(crossing_equipment.TABLE)),
+        ("On-board unit: duty", rows(duty.TABLE)),
+        ("On-board unit: authority", rows(authority.TABLE)),
+        ("On-board unit: level crossings", rows(crossings.TABLE)),
     ):
-        parts += [f"### {title}", machine_diagram(title), _machine(rows)]
+        parts += [f"### {title}", machine_diagram(title), _machine(cells)]
     parts += [_shown_by_runs() if runs is None else runs]
     parts += [_HAZARDS_HEAD, _HAZARDS_INTRO, _hazards()]
     parts += ["### Rules taken away", _CAUGHT_INTRO, _caught(), "### What remains", bullets(REMAINING)]

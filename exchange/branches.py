@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import takewhile
 
 from exchange.published import PublishedTimetable
@@ -24,7 +24,7 @@ def branches(published: PublishedTimetable, line: Line, ids: Mapping[str, str]) 
     for index, train in enumerate(published.trains):
         keys = [call.station_id for call in train.calls]
         for way in (keys, keys[::-1]):
-            off = _off(way, ids)
+            off = list(takewhile(lambda key: key not in ids, reversed(way)))
             if off and len(off) < len(way) and (at := ids[way[-len(off) - 1]]) not in ends:
                 beyond[at] |= dict.fromkeys(names.get(key, key) for key in off)
                 trains[at][index] = None
@@ -35,8 +35,3 @@ def branches(published: PublishedTimetable, line: Line, ids: Mapping[str, str]) 
             f" this line these trains begin and end at {name}, which needs a track for each that stands there at a"
             f" time; {ONE_WAY}"
         )
-
-
-def _off(keys: Sequence[str], ids: Mapping[str, str]) -> list[str]:
-    """The last stations of a way that are not on the line."""
-    return list(takewhile(lambda key: key not in ids, reversed(keys)))

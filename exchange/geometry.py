@@ -303,21 +303,14 @@ def read_geometry(
     return ImportedGeometry(table.name, alignment, places, lat_deg, lon_deg, rms_m, max_m, float(at[worst]))
 
 
-def import_geometry(
-    polyline_file: Path,
-    stations_file: Path,
-    out_file: Path,
-    *,
-    begin_km: float | None = None,
-    max_speed_kmh: float = 85.0,
-) -> ImportedGeometry:
+def import_geometry(polyline_file: Path, stations_file: Path, out_file: Path) -> ImportedGeometry:
     """`branchline import geometry`: write the TOML fragment that a line file is completed from.
 
     Raises InputError, for an output that cannot be written before the seconds that the fit takes.
     """
     if not out_file.parent.is_dir():
         raise InputError(str(out_file), "", None, "a writable path in an existing folder")
-    imported = read_geometry(polyline_file, stations_file, begin_km=begin_km, max_speed_kmh=max_speed_kmh)
+    imported = read_geometry(polyline_file, stations_file)
     write_aside(out_file, fragment(imported))
     return imported
 

@@ -251,7 +251,9 @@ def _turn_round(day: _Day, station_id: str) -> int:
 
 def _first_in_first_out(day: _Day, station_id: str, gone: set[str]) -> _Turns:
     """Sets at one place to its departures, where those in `gone` leave at once."""
-    room = len(_standing_places(day.line, station_id))
+    room = len(
+        {track.section_id for track in day.line.stations[station_id].tracks}
+    )  # a halt has one, the line
     turns = _Turns()
     linked = 0  # sets that stand here by a published link
     # a set that arrives in the minute in which another leaves was there in time
@@ -286,11 +288,6 @@ def _movements(day: _Day, station_id: str) -> Iterator[tuple[int, int, str]]:
             yield ends_s(train), 0, train.number
         if first == station_id:
             yield begins_s(train), 1, train.number
-
-
-def _standing_places(line: Line, station_id: str) -> tuple[str, ...]:
-    """Sections of a station in which one set each can stand; a halt has one, the line itself."""
-    return tuple(dict.fromkeys(track.section_id for track in line.stations[station_id].tracks))
 
 
 def _portal_behind(day: _Day, station_id: str, number: str, *, entering: bool) -> PortalWay | None:

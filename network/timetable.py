@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from network.clock import clock, first_given
 from network.errors import InputError
@@ -100,6 +100,7 @@ class BecomesTrain:
 
 Begin = AtPortal | Stabled | FromTrain
 End = AtPortal | Stabled | BecomesTrain
+OtherTrain = TypeVar("OtherTrain", FromTrain, BecomesTrain)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,8 +210,8 @@ def _train(file: str, key: str, entry: TrainTable, line: Line) -> TimetableTrain
         if calls:
             _check_order(file, where, line, calls[-1], call, direction)
         calls.append(call)
-    begins = _begin(file, f"{key}.begins", entry.begins)
-    ends = _end(file, f"{key}.ends", entry.ends)
+    begins = _beyond(file, f"{key}.begins", entry.begins, "from", FromTrain)
+    ends = _beyond(file, f"{key}.ends", entry.ends, "becomes", BecomesTrain)
     if isinstance(begins, AtPortal):
         _check_portal(file, f"{key}.begins", line, begins, calls[0], direction, entering=True)
     else:
@@ -345,33 +346,16 @@ def _check_order(file: str, key: str, line: Line, before: Call, call: Call, dire
         raise InputError(file, f"{key}.{name}", clock(call.first_s), f"{expected}: no train is faster")
 
 
-def _split(text: str) -> tuple[str, str]:
+def _beyond(
+    file: str, key: str, text: str, word: str, train: type[OtherTrain]
+) -> Stabled | AtPortal | OtherTrain:
+    """Where a train comes from, or goes to; `word`: what says that it is another `train`."""
     kind, _, name = text.partition(":")
-    return kind, name
-
-
-def _begin(file: str, key: str, text: str) -> Begin:
-    match _split(text):
-        case ("stabled", ""):
-            return Stabled()
-        case ("portal", name) if name:
-            return AtPortal(name)
-        case ("from", name) if name:
-            return FromTrain(name)
-        case _:
-            raise InputError(file, key, text, "stabled, portal:<section id> or from:<train number>")
-
-
-def _end(file: str, key: str, text: str) -> End:
-    match _split(text):
-        case ("stabled", ""):
-            return Stabled()
-        case ("portal", name) if name:
-            return AtPortal(name)
-        case ("becomes", name) if name:
-            return BecomesTrain(name)
-        case _:
-            raise InputError(file, key, text, "stabled, portal:<section id> or becomes:<train number>")
+    if (kind, name) == ("stabled", ""):
+        return Stabled()
+    if name and kind in ("portal", word):
+        return AtPortal(name) if kind == "portal" else train(name)
+    raise InputError(file, key, text, f"stabled, portal:<section id> or {word}:<train number>")
 
 
 def _check_portal(

@@ -33,11 +33,8 @@ class MeasuringRun(PositionRun):
         super().__init__(setup, number=number, steps_max=1)
         self._tag_m: Final = {tag.tag_id: tag.position_m for tag in self.mission.tags}
         self._shown: list[tuple[float, float, float]] = []
-        self._anchors = [(self._odometer_m(), self.mission.targets[0].mark_m)]
+        self._anchors = [(float(self.trains.tachometers[SLOT].odometer_m), self.mission.targets[0].mark_m)]
         self._delay_s: Final = float(self.trains.readers[SLOT].curvature.body_delay_s)
-
-    def _odometer_m(self) -> float:
-        return float(self.trains.tachometers[SLOT].odometer_m)
 
     def _stretch(self) -> None:
         passed = len(self.result.check_points)

@@ -307,11 +307,6 @@ def saving_figures(days: Sequence[LawDay], least: dict[str, LeastEnergy]) -> tup
     return tuple(figures)
 
 
-def drawn_laws() -> tuple[str, ...]:
-    """Laws of which a part is drawn for each stock: no two drivers are alike."""
-    return tuple(law.name for law in LAWS if law.drawn)
-
-
 def drivers_figures(days: Sequence[LawDay]) -> tuple[UnjudgedFigure, ...]:
     """The spread between drivers of days that are equally punctual, each beside the bound of what they drove."""
     if not days:
@@ -380,7 +375,7 @@ def experiment(options: Options) -> Findings:
     allowed = Allowed.as_units_drive(scenario.setup)
     least = {day.law: LeastEnergy.sum_of(day.least_of_hops(allowed)) for day in days}
     drivers: list[UnjudgedFigure] = []
-    for law in drawn_laws():
+    for law in (law.name for law in LAWS if law.drawn):  # no two drivers are alike
         seeds = () if options.quick else range(options.seed + 1, options.seed + DRIVERS_DAYS)
         more = [punctual_day(load_scenario(SCENARIO, seed), law) for seed in seeds]
         drivers += drivers_figures([*(day for day in days if day.law == law), *more])

@@ -117,21 +117,6 @@ class TunedTrain:
         """What the train goes by."""
         return self.learned[TunedBy.MODE]
 
-    @property
-    def modes_agree(self) -> bool:
-        """Whether both methods give the same characteristic."""
-        return place_of(self.by_search) == place_of(self.by_approximation)
-
-    @property
-    def modes_are_near(self) -> bool:
-        """Whether they are no further apart than a step of the grid in either."""
-        return places_are_near(place_of(self.by_search), place_of(self.by_approximation))
-
-    @property
-    def mean_differs(self) -> bool:
-        """Whether the mean of what was learned lies elsewhere on the grid than its mode."""
-        return place_of(self.learned[TunedBy.MEAN]) != place_of(self.by_approximation)
-
 
 def hidden_train(rng: np.random.Generator) -> HiddenBrake:
     """A train's characteristics, drawn evenly; the dead time in whole steps, as the simulator has it."""
@@ -208,11 +193,6 @@ def _all_at_mean(counts: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(sum(counts) * int(index == place) for index in range(len(counts)))
 
 
-def as_if_undisturbed(record: StopDecelerations) -> StopDecelerations:
-    """The same waves without what tells that the stop was disturbed."""
-    return replace(record, slid=False, load_share=0.0)
-
-
 def tune(nominal: TrainType, seed: int, name: str) -> TunedTrain:
     """One train's runs untuned, learning from each, and stops of other days by what it learned."""
     hidden = hidden_train(generator(seed, "oda-tuning", name, "hidden"))
@@ -234,7 +214,7 @@ def tune(nominal: TrainType, seed: int, name: str) -> TunedTrain:
                 by_approximation, record, approximate(record, by_approximation.centre)
             )
             full_counted += int(full) * (by_approximation.stops - before)
-            plain = as_if_undisturbed(record)
+            plain = replace(record, slid=False, load_share=0.0)
             keeping = learned_after_stop(keeping, plain, approximate(plain, keeping.centre))
         if not is_right(by_approximation, hidden):
             settled_after = RUNS + 1 if index == RUNS - 1 else by_approximation.stops + 1
@@ -321,8 +301,10 @@ def interval_reaches(count: int, trains: int) -> bool:
 
 def learning_rows(tuned: list[TunedTrain]) -> tuple[CaseRow, ...]:
     """What was learned, and how."""
-    same = sum(train.modes_agree for train in tuned)
-    near = sum(train.modes_are_near for train in tuned)
+    same = sum(place_of(train.by_search) == place_of(train.by_approximation) for train in tuned)
+    near = sum(
+        places_are_near(place_of(train.by_search), place_of(train.by_approximation)) for train in tuned
+    )
     agree = interval_reaches(same, len(tuned)) and near == len(tuned)
     evaluations = {"search": SEARCH_EVALUATIONS, "approximation": len(SIX_POINTS)}
     paper = {"search": 441, "approximation": 6}
@@ -334,7 +316,9 @@ def learning_rows(tuned: list[TunedTrain]) -> tuple[CaseRow, ...]:
     best = interval_reaches(mode, len(tuned)) and mode > max(
         right[TunedBy.MEAN.value], right[TunedBy.KEPT.value]
     )
-    differ = sum(train.mean_differs for train in tuned) / len(tuned)
+    differ = sum(
+        place_of(train.learned[TunedBy.MEAN]) != place_of(train.by_approximation) for train in tuned
+    ) / len(tuned)
     full = sum(train.full_counted for train in tuned)
     settled = float(np.percentile([train.settled_after for train in tuned], 95))
     return (

@@ -75,10 +75,9 @@ def _by_metre(pieces: tuple[tuple[float, float], ...], rows: int, begin_m: float
     )
 
 
-def one_gradient(length_m: float, gradient_permille: float = 0.0, limit_mps: float = np.inf) -> HopWay:
-    """A way of one gradient, which the unit knows, and one limit."""
-    limits = () if limit_mps == np.inf else ((0.0, limit_mps),)
-    return HopWay(length_m, ((0.0, gradient_permille),), limits_mps=limits)
+def one_gradient(length_m: float, gradient_permille: float = 0.0) -> HopWay:
+    """A way of one gradient, which the unit knows, without a limit."""
+    return HopWay(length_m, ((0.0, gradient_permille),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,10 +227,6 @@ class HopBench:
         best = int(np.argmin(np.abs(outcomes["time_s"] - asked_s)))
         return TimedHop(asked_s, orders[best], outcomes[best])
 
-    def traced(self, timed: TimedHop, like: Rows | None = None) -> Rows:
+    def traced(self, timed: TimedHop) -> Rows:
         """The TRACE of a hop made before, every step of it."""
-        hops = new_hops([timed.order_s])
-        if like is not None:
-            hops[:] = like[0]
-            hops["order_s"] = timed.order_s
-        return self.run(hops, STEPS_MAX)[1]
+        return self.run(new_hops([timed.order_s]), STEPS_MAX)[1]

@@ -12,7 +12,7 @@ from simulation.judge.body import Heights
 from simulation.judge.checkers import Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
-from simulation.judge.speed import LimitOnEdge, TrueLimits
+from simulation.judge.speed import LimitBetween, TrueLimits
 from simulation.procedure import WorkingStep, before_entry
 from simulation.setup import Setup, behaviour_row
 from simulation.world.trains import SIGN
@@ -41,7 +41,7 @@ def checkers_of(setup: Setup, net: NetMap, stock_ids: Collection[str]) -> Checke
 def true_limits(setup: Setup, stock_ids: Collection[str]) -> TrueLimits:
     """Speed limits by SUMO's edges: of the alignment, and of points where a train goes over their reverse leg."""
     line = setup.line
-    found: dict[str, list[LimitOnEdge]] = {}
+    found: dict[str, list[LimitBetween]] = {}
     for piece in line.pieces.values():
         for limit in line.alignments[piece.alignment_id].limits:
             down_m = limit.from_m - piece.from_m, limit.to_m - piece.from_m
@@ -51,10 +51,10 @@ def true_limits(setup: Setup, stock_ids: Collection[str]) -> TrueLimits:
             ):
                 along_m = down_m if direction is Direction.DOWN else up_m
                 found.setdefault(piece.id + SIGN[direction], []).append(
-                    LimitOnEdge(*along_m, limit.speed_mps)
+                    LimitBetween(*along_m, limit.speed_mps)
                 )
     for points in line.points.values():
-        diverging = LimitOnEdge(0.0, math.inf, points.diverging_limit_mps)
+        diverging = LimitBetween(0.0, math.inf, points.diverging_limit_mps)
         for direction in Direction:
             found.setdefault(points.reverse_piece + SIGN[direction], []).append(diverging)
     kinds = {stock_id: setup.trains[stock_id].row[0] for stock_id in stock_ids}

@@ -149,10 +149,6 @@ class Curvature(CurvatureComparison):
         SpeedMps, about("speed at which a filter by time equals one by distance", "assumed: 72 km/h")
     ] = 20.0
 
-    def step_sigma_radps(self, step_s: float) -> float:
-        """Standard deviation (rad/s) of the mean of the samples of a step."""
-        return self.noise_factor * self.stated_sigma_radps(step_s)
-
     def stated_sigma_radps(self, step_s: float) -> float:
         """The same as units count on it."""
         return math.radians(self.sample_sigma_degps) / math.sqrt(self.sample_rate_hz * step_s)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
 from itertools import pairwise
@@ -198,7 +198,7 @@ def _edges_xml(line: Line, shapes: Mapping[str, Array], places: Mapping[str, Arr
                 "spreadType": "center",
                 "speed": f"{EDGE_SPEED_MPS:.1f}",
                 "length": f"{piece.length_m:.6f}",
-                "shape": _shape_text(points),
+                "shape": " ".join(",".join(map(_millimetres, point)) for point in points),
             }
             edge = ET.SubElement(root, "edge", attributes)
             ET.SubElement(edge, "param", key="piece", value=piece_id)
@@ -212,10 +212,6 @@ def _connections_xml(line: Line) -> bytes:
         # Without lanes named, netconvert drops turnarounds that are not at a dead end.
         ET.SubElement(root, "connection", {"from": origin, "to": target, "fromLane": "0", "toLane": "0"})
     return document_of(root)
-
-
-def _shape_text(points: Iterable[Array]) -> str:
-    return " ".join(",".join(map(_millimetres, point)) for point in points)
 
 
 def _millimetres(coordinate_m: float) -> str:

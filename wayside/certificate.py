@@ -241,15 +241,11 @@ class _Search:
                 return True
             if self._pairs is None:
                 return False
-            if only and self._wanted_by(index, keeps) is None:
+            if only and self._another(index, keeps, self._wants) is None:
                 return True
             ways += [(following, only and len(then) == 1) for following in then if following not in seen]
             seen.update(then)
         return False
-
-    def _wanted_by(self, holder: int, sections: int) -> int | None:
-        """A train that may still need some of these sections; None: no other does."""
-        return self._another(holder, sections, self._wants)
 
     def _another(self, holder: int, sections: int, needs: list[list[int]]) -> int | None:
         at = self._line.at

@@ -183,7 +183,7 @@ class _Weighing:
         register, stands = self._register, self._stands
         kept, sought = register.kept, register.sought
         leads = kept is not None and kept.leads_from(stands)
-        again = sought is not None and sought.at_places(stands)
+        again = sought is not None and (sought.at, sought.holds) == (stands.at, stands.holds)
         if kept is not None and kept.finishes_from(stands):
             return self._known(kept)
         if sought is not None and (again or leads) and sought.lasts(register.now_s):

@@ -245,10 +245,6 @@ class LastSearch(msgspec.Struct, frozen=True):
     again_s: float
     said: str = ""
 
-    def at_places(self, stands: Stands) -> bool:
-        """Whether it was from these places."""
-        return (self.at, self.holds) == (stands.at, stands.holds)
-
     def lasts(self, now_s: float) -> bool:
         """Whether it is not yet time to look again."""
         return now_s < self.again_s

@@ -29,7 +29,6 @@ import msgspec
 from msgspec.structs import replace
 
 from radio.messages import CrossingClear, CrossingOver, CrossingOverHeard, CrossingProof, CrossingRequest
-from radio.table import TableCell, rows
 from wayside import barring
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, Bars
@@ -484,8 +483,3 @@ TABLE: Final[Mapping[tuple[CrossingState, type], Callable[[CrossingDevice, Any, 
         }
     )
 )
-
-
-def table_rows() -> tuple[TableCell, ...]:
-    """State of the crossing and event, for the documentation."""
-    return rows(TABLE)

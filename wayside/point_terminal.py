@@ -25,7 +25,6 @@ from msgspec.structs import replace
 from network.model import Position
 from radio.keys import capability_mac, mac_equal
 from radio.messages import AnyMessage, PointsCommand, PointsProof, PointsRefusalReason, PointsRefused
-from radio.table import TableCell, rows
 from wayside import barring
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, Bars
@@ -388,8 +387,3 @@ TABLE: Final[Mapping[tuple[PointsState, type], Callable[[Terminal, Any, float], 
         }
     )
 )
-
-
-def table_rows() -> tuple[TableCell, ...]:
-    """State of the points and event, for the documentation; commands only if `refusal` lets them pass."""
-    return rows(TABLE)

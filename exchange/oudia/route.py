@@ -138,7 +138,7 @@ def route_of(text: OudiaText, file: str) -> OudiaRoute:
     if not nodes:
         raise InputError(file, "Rosen.Dia", None, "at least one timetable (Dia)")
     reader = _TrainReader(file, text, stations, kinds)
-    names = _dia_names(nodes)
+    names = [node.text("DiaName") or str(i) for i, node in enumerate(nodes, start=1)]
     dias = tuple(
         OudiaDia(name, tuple(reader.trains(node, name))) for name, node in zip(names, nodes, strict=True)
     )
@@ -177,10 +177,6 @@ def left_of(dia: OudiaDia) -> tuple[str, ...]:
         ),
     )
     return tuple(f"{count} {what}" for count, what in counts if count)
-
-
-def _dia_names(nodes: Sequence[OudiaNode]) -> list[str]:
-    return [node.text("DiaName") or str(i) for i, node in enumerate(nodes, start=1)]
 
 
 def _station(node: OudiaNode) -> OudiaStation:

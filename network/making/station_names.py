@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterator
 from typing import Final
 
 _WORDS: Final = re.compile(
@@ -64,12 +63,7 @@ def _plain_japanese(text: str) -> str:
 def _plain_latin(text: str) -> str:
     short = _WORDS.sub("", text) or text
     letters = unicodedata.normalize("NFKD", short.casefold().translate(_LATIN))
-    plain = _NOT_A_LETTER.sub("", "".join(_base(letters)))
+    plain = _NOT_A_LETTER.sub("", "".join(letter for letter in letters if not unicodedata.combining(letter)))
     for pattern, sound in _LONG_VOWELS:
         plain = pattern.sub(sound, plain)
     return plain
-
-
-def _base(letters: str) -> Iterator[str]:
-    """Letters without the marks on them."""
-    return (letter for letter in letters if not unicodedata.combining(letter))

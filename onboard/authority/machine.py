@@ -33,7 +33,6 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REPEAT_S, Result, SignOnStanding, Table, standing
-from radio.table import TableCell, rows
 
 SAID_IN_ORDER: Final = (
     RequestKind.SIGN_OFF,
@@ -84,11 +83,6 @@ def step(state: Authority, event: Event, *, covered: bool) -> Result:
     after, actions = (state, ()) if handler is None else handler(state, event)
     after, said = say(after) if covered else defer(after)
     return after, (*actions, *said)
-
-
-def table_rows() -> tuple[TableCell, ...]:
-    """The tables as rows of text."""
-    return rows(TABLE)
 
 
 def say(state: Authority) -> Result:

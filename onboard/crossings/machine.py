@@ -23,7 +23,6 @@ from msgspec.structs import replace
 
 from onboard import crossing_notes, notes
 from radio.messages import CrossingOver, CrossingRequest
-from radio.table import TableCell, rows
 
 EARLY_S: Final = 6.0  # asked so long before its warning must begin: time for telegrams that are lost
 ABOUT_S: Final = 0.5  # who looks when that time should have come finds it so little later
@@ -435,8 +434,3 @@ TABLE: Final[Mapping[tuple[CrossingPhase, type], Callable[[CrossingView, Any, fl
         }
     )
 )
-
-
-def table_rows() -> tuple[TableCell, ...]:
-    """Where the unit stands with the crossing and event, for the documentation."""
-    return rows(TABLE)

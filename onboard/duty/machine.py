@@ -85,7 +85,6 @@ from onboard.duty.stop_limit import (
 )
 from onboard.duty_parameters import DutyParameters
 from onboard.plan import DutyPlan, PlanTag
-from radio.table import TableCell, rows
 
 Handler = Callable[[DutyStep, Any], None]
 
@@ -493,8 +492,3 @@ TABLE: Final[Mapping[tuple[DutyPhase, type[Event]], Handler]] = MappingProxyType
         **dict.fromkeys(((p, TelegramHeard) for p in DutyPhase), heard),
     }
 )
-
-
-def table_rows() -> tuple[TableCell, ...]:
-    """The table as rows of text."""
-    return rows(TABLE)

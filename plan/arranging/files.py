@@ -8,8 +8,8 @@ from pathlib import Path
 from exchange.timetable_writer import timetable_toml
 from network.errors import COMMAND_LINE, InputError
 from plan.arranging.arrange import ArrangedDay
-from study.making.place import checked_new, named_from, write_new
-from study.making.timetable import scenario_text
+from study.making.place import checked_new, write_new
+from study.making.timetable import write_scenario
 
 
 def checked_files(out: Path | None, scenario: Path | None) -> None:
@@ -38,10 +38,5 @@ def write_day(
     write_new(out, timetable_toml(day.file.model_copy(update={"timetable": head})))
     yield out
     if scenario is not None:
-        names = (
-            named_from(scenario, line_name),
-            named_from(scenario, str(out)),
-            named_from(scenario, train_name),
-        )
-        write_new(scenario, scenario_text(scenario.stem, *names))
+        write_scenario(scenario, line_name, out, train_name)
         yield scenario

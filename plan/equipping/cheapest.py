@@ -172,10 +172,7 @@ def proof_of(found: Sequence[EquippedLine], interval_s: int) -> CheapestProof:
 
 
 def objections_to(
-    with_tables: WithTables,
-    choices: Sequence[EquipmentChoice],
-    proof: CheapestProof,
-    rules: Rules = AS_UNITS_ASK,
+    with_tables: WithTables, choices: Sequence[EquipmentChoice], proof: CheapestProof
 ) -> Iterator[str]:
     """What is wrong with such a proof: each cheaper choice must be there, and its own proof hold for the interval."""
     shown = {one.options: one for one in proof.cheaper}
@@ -186,13 +183,13 @@ def objections_to(
         one = shown.get(choice.names)
         try:
             setup = with_tables(tables_of(choice.options))
-            pattern_of(setup, rules)
+            pattern_of(setup, AS_UNITS_ASK)
         except InputError:
             continue  # it cannot be had, or nothing runs from end to end
         if one is None or one.proof is None:
             yield f"{name} costs {choice.cost:g} and is not excluded"
             continue
-        yield from (f"{name}: {wrong}" for wrong in recounted(setup, rules, one.proof))
+        yield from (f"{name}: {wrong}" for wrong in recounted(setup, AS_UNITS_ASK, one.proof))
         excluded = {
             s for e in one.proof.excluded for s in range(e.from_ticks, (e.to_ticks or proof.interval_s) + 1)
         }

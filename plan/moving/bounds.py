@@ -185,7 +185,10 @@ def _joined(either: Sequence[EitherFirst]) -> Iterator[EitherFirst]:
         if (one.before, one.after) == (other.after, other.before):
             together = by_legs[key]
             for at, known in enumerate(together):
-                if _alike(known, each):
+                if (
+                    known.one_first.least + each.other_first.least > 0
+                    and each.one_first.least + known.other_first.least > 0
+                ):
                     together[at] = EitherFirst(
                         max(known.one_first, one, key=_least), max(known.other_first, other, key=_least)
                     )
@@ -200,11 +203,3 @@ def _joined(either: Sequence[EitherFirst]) -> Iterator[EitherFirst]:
 
 def _least(bound: MoveBound) -> int:
     return bound.least
-
-
-def _alike(one: EitherFirst, other: EitherFirst) -> bool:
-    """Whether the one first here and the other there would be a circle, either way."""
-    return (
-        one.one_first.least + other.other_first.least > 0
-        and other.one_first.least + one.other_first.least > 0
-    )

@@ -20,8 +20,8 @@ from sumo_cfg.truth_map import NetMap
 GAINED_MPS: Final = 1.0  # 0.7 m/s2 for the reaction time, and what worn wheels show too little
 
 
-class LimitOnEdge(NamedTuple):
-    """A speed limit between two places along an edge, m and m/s."""
+class LimitBetween(NamedTuple):
+    """A speed limit between two places, m and m/s: along an edge, or by how far beyond a front they lie."""
 
     from_m: float
     to_m: float
@@ -31,7 +31,7 @@ class LimitOnEdge(NamedTuple):
 class TrueLimits(NamedTuple):
     """Limits by edge, what each train may run at all, by unit, and how far above a limit supervision lets it (m/s)."""
 
-    on_edges: Mapping[str, Sequence[LimitOnEdge]]
+    on_edges: Mapping[str, Sequence[LimitBetween]]
     tops_mps: Mapping[str, float]
     margin_mps: float
 
@@ -47,14 +47,6 @@ class RunSince(NamedTuple):
 
 
 NOT_RUN: Final = RunSince(0.0, ())
-
-
-class LimitNearby(NamedTuple):
-    """A speed limit by how far beyond the front its ends lie, m; under the train or behind it."""
-
-    from_m: float
-    to_m: float
-    speed_mps: float
 
 
 class SpeedWatch:
@@ -91,14 +83,14 @@ class SpeedWatch:
             subject, outside = f"{unit_id} {limit} {body.path[-1]}", rail.outside(worst_s, unit_id)
             self._log.note(worst_s, Checker.TOO_FAST, subject, text, outside=outside)
 
-    def _nearby(self, body: Body, lower_mps: float) -> list[LimitNearby]:
+    def _nearby(self, body: Body, lower_mps: float) -> list[LimitBetween]:
         """The limits below a speed on the edges that the train lies on, or has left since the last look."""
-        found: list[LimitNearby] = []
+        found: list[LimitBetween] = []
         begin_m = -body.front_m
         for edge_id in reversed((*body.left, *body.path)):
             begin_m -= 0.0 if edge_id == body.path[-1] else self._edges[edge_id].length_m
             found += (
-                LimitNearby(begin_m + each.from_m, begin_m + each.to_m, each.speed_mps)
+                LimitBetween(begin_m + each.from_m, begin_m + each.to_m, each.speed_mps)
                 for each in self._limits.on_edges.get(edge_id, ())
                 if each.speed_mps < lower_mps
             )

@@ -183,11 +183,8 @@ def scan_row(
     return row
 
 
-def marker_places(pattern: int, spacing_m: float, missing: int = -1) -> Floats:
-    """Places of a pattern's markers (MARKERS, 2): behind the first row and left of the middle, m.
-
-    `missing`: the index of one that has gone; the result then has one row less.
-    """
+def marker_places(pattern: int, spacing_m: float) -> Floats:
+    """Places of a pattern's markers (MARKERS, 2): behind the first row and left of the middle, m."""
     places = [
         (row * spacing_m, (column - (COLUMNS - 1) / 2.0) * COLUMN_M)
         for row in range(ROWS)
@@ -195,7 +192,7 @@ def marker_places(pattern: int, spacing_m: float, missing: int = -1) -> Floats:
         if is_marked(pattern, row, column)
     ]
     assert len(places) == MARKERS
-    return np.array([place for index, place in enumerate(places) if index != missing], dtype=np.float64)
+    return np.array(places, dtype=np.float64)
 
 
 def coverage(scanner: Scanner, time_s: float, begins_s: float = 0.0, cell_rad: float = 5e-3) -> float:

@@ -21,7 +21,6 @@ from onboard.localisation.reader import (
     REFUSED,
     WORD_BITS,
     WORD_MASK,
-    IdAgreement,
     item_id,
     item_word,
     judged_windows,
@@ -151,15 +150,9 @@ def receive(
             items[2 * telegram + i] = item_id(word, CHECKS[i])
 
 
-def read_bits(
-    rng: np.random.Generator,
-    tag_id: int,
-    channel: Channel,
-    tags: int = TAGS_PAPER,
-    rule: IdAgreement = PAPER_RULE,
-) -> int | None:
+def read_bits(rng: np.random.Generator, tag_id: int, channel: Channel) -> int | None:
     """The id that the reader makes of one passage over tags that say `tag_id`; None if it believes none."""
-    items = np.empty(2 * tags * len(channel.bit_error_rates), dtype=np.int64)
+    items = np.empty(2 * TAGS_PAPER * len(channel.bit_error_rates), dtype=np.int64)
     receive(
         rng,
         received_words(channel, tag_id),
@@ -167,5 +160,5 @@ def read_bits(
         np.array(channel.bit_error_rates),
         items,
     )
-    found, _ = judged_windows(items, rule.window_items, rule.agree, rule.step_items)
+    found, _ = judged_windows(items, PAPER_RULE.window_items, PAPER_RULE.agree, PAPER_RULE.step_items)
     return None if found == REFUSED else int(found)

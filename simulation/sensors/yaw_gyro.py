@@ -81,7 +81,7 @@ def fit(own: YawGyroRow, setup: Setup, stock_id: str) -> None:
     own.walk_source = source_of(setup.seed, "yaw gyro bias", stock_id, *setup.today)
     chance = generator(setup.seed, "yaw gyro", stock_id)
     drawn = np.clip(chance.normal(size=4), -CUT_SIGMAS, CUT_SIGMAS)
-    own.sigma_radps = gyro.step_sigma_radps(step_s)
+    own.sigma_radps = gyro.noise_factor * gyro.stated_sigma_radps(step_s)
     own.bias_radps = math.radians(gyro.bias_sigma_degps) * float(drawn[0])
     own.gain = 1.0 + gyro.gain_sigma * float(drawn[1])
     frequency_hz = gyro.body_frequency_hz * (1.0 + gyro.body_spread * float(drawn[2]) / CUT_SIGMAS)

@@ -17,7 +17,7 @@ takes nothing away. What else a line's cable may carry (telephones, level crossi
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from network.model import Line
@@ -93,8 +93,4 @@ def _terminals_m(line: Line) -> dict[str, float]:
     for points in line.points.values():
         stem = line.pieces[points.stem_piece]
         pieces_m.setdefault(points.terminal_id, []).append(0.5 * (stem.from_m + stem.to_m))
-    return {terminal_id: _mean(places_m) for terminal_id, places_m in pieces_m.items()}
-
-
-def _mean(places_m: Collection[float]) -> float:
-    return sum(places_m) / len(places_m)
+    return {terminal_id: sum(places_m) / len(places_m) for terminal_id, places_m in pieces_m.items()}

@@ -18,7 +18,6 @@ import msgspec
 from msgspec.structs import replace
 
 from network.model import CrossingClass, LevelCrossing
-from radio.table import TableCell, rows
 from simulation.carriers.road_shown import CrossingShown
 from simulation.events import BarrierState
 from simulation.faults.crossings import IN_ORDER, CrossingCondition
@@ -168,8 +167,3 @@ TABLE: Final[
         **dict.fromkeys(((at, ObstacleDetected) for at in BarrierState), _detect),
     }
 )
-
-
-def table_rows() -> tuple[TableCell, ...]:
-    """State of the barriers and event, for the documentation."""
-    return rows(TABLE)

@@ -16,7 +16,6 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from network.model import Points, Position
-from radio.table import TableCell, rows
 from wayside.said import PointsDetected, StartThrow, StopThrow
 
 
@@ -193,8 +192,3 @@ TABLE: Final[Mapping[tuple[MachineState, type], Callable[[PointMachine, Any, flo
         }
     )
 )
-
-
-def table_rows() -> tuple[TableCell, ...]:
-    """State of the machine and event, for the documentation."""
-    return rows(TABLE)

@@ -71,7 +71,7 @@ def late_part(setup: Setup) -> PagePart | None:
 def _grid(setup: Setup, drawn: Sequence[DrawnDisturbance], language: Language) -> TextTable:
     rows = tuple(
         (
-            _clock(one),
+            "" if one.at_s is None else clock(int(one.at_s)),
             party(one.who).in_(language),
             one.place if language == "en" else _place(setup, one.place),
             f"{one.seconds:.1f}",
@@ -87,10 +87,6 @@ def _what(setup: Setup, one: DrawnDisturbance) -> str:
     """What was drawn, in Japanese."""
     form = phrase(one.source.split(".")[1], "drawn").ja
     return form.format(who=party(one.who).in_("ja"), place=_place(setup, one.place), seconds=one.seconds)
-
-
-def _clock(one: DrawnDisturbance) -> str:
-    return "" if one.at_s is None else clock(int(one.at_s))
 
 
 def _place(setup: Setup, place: str) -> str:

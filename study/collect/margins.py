@@ -45,7 +45,7 @@ def _margin(
         leg.least_s,
         leg.attainable_s,
         margin_s,
-        margin_percent=_percent(margin_s, leg.least_s),
+        margin_percent=100.0 * margin_s / leg.least_s if 0.0 < leg.least_s < float("inf") else None,
         run_s=_less(arrived_s, left_s),
         left_s=_less(leg.due_s, never_s if missing else arrived_s),
     )
@@ -53,7 +53,3 @@ def _margin(
 
 def _less(to_s: float | None, from_s: float | None) -> float | None:
     return None if to_s is None or from_s is None else round(to_s - from_s, 1)
-
-
-def _percent(part: float, whole: float) -> float | None:
-    return 100.0 * part / whole if 0.0 < whole < float("inf") else None

@@ -32,17 +32,12 @@ _FIGURES: Final = {
 }
 
 
-def _named(text: str, language: Language) -> str:
-    """A figure's name: its own, or from the words of comparisons."""
-    return (_FIGURES.get(text) or compared_name(text)).in_(language)
-
-
 def measures_grid(found: Comparisons, language: Language = "en", *, changed_only: bool = False) -> TextTable:
     """A row a figure, a column a run; with two runs their difference stands in a column of its own."""
     labels = [side.label for side in found.sides]
     rows: list[tuple[str, ...]] = []
     for measure in found.measures:
-        if changed_only and not any_run_differs(measure):
+        if changed_only and not any(_by(measure, index) != SAME for index in range(1, len(measure.values))):
             continue
         unit = f", {compared_name(measure.unit).in_(language)}" if measure.unit else ""
         cells = [
@@ -53,18 +48,13 @@ def measures_grid(found: Comparisons, language: Language = "en", *, changed_only
         rows.append(
             (
                 compared_name(measure.group).in_(language),
-                f"{_named(measure.name, language)}{unit}",
+                f"{(_FIGURES.get(measure.name) or compared_name(measure.name)).in_(language)}{unit}",
                 *cells,
                 *last,
             )
         )
     header = ("", "", *labels, *((compared_name("difference").in_(language),) if len(labels) == 2 else ()))
     return TextTable(header, tuple(rows), numbers_from=2)
-
-
-def any_run_differs(measure: Measure) -> bool:
-    """Whether any run differs from the first by what can be read."""
-    return any(_by(measure, index) != SAME for index in range(1, len(measure.values)))
 
 
 def inputs_grid(found: RunComparison, language: Language = "en") -> TextTable:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from network.graph import find_route
-from network.model import Direction, Line, SectionKind, Station
+from network.model import Line, SectionKind, Station
 from study.feasibility.holdings import Hold, HoldingConflict
 
 
@@ -71,10 +71,6 @@ def free_track(line: Line, clash: HoldingConflict, by_section: Mapping[str, list
             hold.stock_id != second.stock_id and hold.from_s < second.to_s and second.from_s < hold.to_s
             for hold in others
         )
-        if not occupied and _reaches(line, before, track.section_id, train.direction):
+        if not occupied and find_route(line, before, track.section_id, train.direction) is not None:
             return track.name
     return None
-
-
-def _reaches(line: Line, before: str, section_id: str, direction: Direction) -> bool:
-    return find_route(line, before, section_id, direction) is not None

@@ -60,13 +60,14 @@ def new_timetable(line_name: str, train_name: str, pattern: Pattern, out: Path, 
     trains, text = timetable_text(line, train, pattern, stem)
     write_new(out, text)
     if scenario is not None:
-        names = (
-            named_from(scenario, line_name),
-            named_from(scenario, str(out)),
-            named_from(scenario, train_name),
-        )
-        write_new(scenario, scenario_text(scenario.stem, *names))
+        write_scenario(scenario, line_name, out, train_name)
     return trains
+
+
+def write_scenario(file: Path, line_name: str, timetable: Path, train_name: str) -> None:
+    """Write a scenario that runs that timetable. InputError where there is a file already."""
+    names = (named_from(file, name) for name in (line_name, str(timetable), train_name))
+    write_new(file, scenario_text(file.stem, *names))
 
 
 def _file(name: str) -> Path | None:

@@ -81,7 +81,7 @@ def _traction_of_span_j(
     run_m = np.diff(position_m)
     kinetic_j = 0.5 * mass * (1.0 + float(row["rotating_mass_factor"])) * np.diff(speed_mps**2)
     climb_m = np.diff(_mean_under(profile["elevation_m"], position_m, length_m))
-    bend_rad = _mean_under_run(profile["turn_rad"], position_m, length_m)
+    bend_rad = np.diff(_mean_under(profile["turn_rad"], position_m, length_m))
     curve_j = weight_n * 1e-3 * float(row["resistance"]["curve_coefficient_m"]) * bend_rad
     middle_mps = 0.5 * (speed_mps[1:] + speed_mps[:-1])
     work_j = kinetic_j + weight_n * climb_m + curve_j + resistance(kind, mass, middle_mps) * run_m
@@ -95,15 +95,10 @@ def _traction_of_span_j(
     return float(np.sum(np.maximum(work_j, 0.0)[run_m > 0.0])) / float(row["efficiency_traction"])
 
 
-def _integral(values: Floats) -> Floats:
-    """Integral of what stands at each metre, from 0 to each metre."""
-    return np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))))
-
-
 def _mean_under(values: Floats, front_m: Floats, length_m: float) -> Floats:
     """Mean of what stands at each metre, over the length of a train with its front at `front_m`; ends go on level."""
     grid_m = np.arange(values.size, dtype=np.float64)
-    whole = _integral(values)
+    whole = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))))
 
     def up_to(at_m: Floats) -> Floats:
         inside_m = np.clip(at_m, 0.0, grid_m[-1])
@@ -111,8 +106,3 @@ def _mean_under(values: Floats, front_m: Floats, length_m: float) -> Floats:
         return np.asarray(np.interp(inside_m, grid_m, whole) + beyond, dtype=np.float64)
 
     return (up_to(front_m) - up_to(front_m - length_m)) / length_m
-
-
-def _mean_under_run(turn_rad: Floats, front_m: Floats, length_m: float) -> Floats:
-    """Integral of the mean curvature under the train over each stretch that its front ran, rad."""
-    return np.diff(_mean_under(turn_rad, front_m, length_m))

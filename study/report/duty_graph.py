@@ -73,7 +73,12 @@ def draw_duties(line: Line, duties: Sequence[SetDuty], say: Callable[[str], str]
     where the set is and for how many minutes. A thin line: it stands; dots: it is beyond a portal. As run, a bar has
     the plan as a line along its top. `say` puts its key and what stands beside a row into a language.
     """
-    times = [time_s for duty in duties for train in duty.trains for time_s in _times(train)]
+    times = [
+        time_s
+        for duty in duties
+        for train in duty.trains
+        for time_s in (train.begins_s, train.ends_s, train.planned_begins_s, train.planned_ends_s)
+    ]
     if not times:
         return None
     bands, grid = time_bands(min(times), max(times))
@@ -94,10 +99,6 @@ def draw_duties(line: Line, duties: Sequence[SetDuty], say: Callable[[str], str]
         for i, duty in enumerate(duties):
             _write_row(axes, i, duty, line, band)
     return figure
-
-
-def _times(train: DutyTrain) -> tuple[int, ...]:
-    return train.begins_s, train.ends_s, train.planned_begins_s, train.planned_ends_s
 
 
 def _frame(axes: Axes, rows: Sequence[str], band: TimeBand, grid: TimeGrid) -> None:

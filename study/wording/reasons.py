@@ -66,7 +66,7 @@ def reason(why: str, names: Names = MappingProxyType({})) -> Phrase:
     def said(part: str) -> Phrase:
         return reason(part.strip(), names)
 
-    word = _word(why)
+    word = why.strip().lower().replace("_", " ")
     if not word:
         return NOTHING
     reasons = phrases_of("reason")
@@ -84,7 +84,3 @@ def reason(why: str, names: Names = MappingProxyType({})) -> Phrase:
         return joined_phrases(map(said, why.split(",")))
     known = names.get(why) or phrases_of("telegram").get(why) or phrases_of("working step").get(why)
     return known or party(why)
-
-
-def _word(why: str) -> str:
-    return why.strip().lower().replace("_", " ")

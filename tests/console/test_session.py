@@ -1,7 +1,5 @@
 """A run that is worked is the run of its script: nothing depends on who looks when, and what was done replays."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final

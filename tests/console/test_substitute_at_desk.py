@@ -1,7 +1,5 @@
 """Persons in roles of substitute working: each step by hand, left out, out of its turn, given back to the program."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Final

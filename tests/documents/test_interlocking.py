@@ -1,7 +1,6 @@
 import importlib
 import importlib.util
 import re
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import get_args
@@ -15,7 +14,7 @@ from onboard.authority import machine as authority
 from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty import machine as duty
 from onboard.duty.records import Event as DutyEvent
-from radio.table import TableCell
+from radio.table import TableCell, rows
 from simulation.judge.checkers import Checker
 from study.drilling.drill import shipped_drills
 
@@ -43,15 +42,12 @@ def test_the_document_names_no_place_of_a_machine() -> None:
     assert "/work" not in (ROOT / "docs/interlocking.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("table_rows", [duty.table_rows, authority.table_rows])
-def test_every_row_of_the_units_tables_says_what_happens(
-    table_rows: Callable[[], tuple[TableCell, ...]],
-) -> None:
+@pytest.mark.parametrize(("machine", "events"), [(duty, DutyEvent), (authority, AuthorityEvent)])
+def test_every_row_of_the_units_tables_says_what_happens(machine: ModuleType, events: object) -> None:
     """And every event that a party can put to the machine is named by one."""
-    rows = table_rows()
-    assert all(re.fullmatch(r"[A-Z].*[.]", row.outcome, re.DOTALL) for row in rows)
-    kinds = get_args(DutyEvent if table_rows is duty.table_rows else AuthorityEvent)
-    assert {row.event for row in rows} == {kind.__name__ for kind in kinds}
+    found = rows(machine.TABLE)
+    assert all(re.fullmatch(r"[A-Z].*[.]", row.outcome, re.DOTALL) for row in found)
+    assert {row.event for row in found} == {kind.__name__ for kind in get_args(events)}
 
 
 def test_rows_with_the_same_outcome_are_one_line() -> None:

@@ -10,7 +10,7 @@ from onboard.authority import machine as authority
 from onboard.crossings import machine as crossings
 from onboard.duty import machine as duty
 from onboard.duty.records import AtMark, DutyPhase
-from radio.table import TableCell
+from radio.table import TableCell, rows
 from simulation.world import crossing_equipment, point_machine
 from verify.breadth import Explored, explore
 from verify.lone_unit import event_name, events_from, phase_name, steps
@@ -19,12 +19,12 @@ from wayside.register import UnitStanding
 
 TABLES: dict[str, tuple[TableCell, ...]] = {
     "Block manager": block_manager.table_rows(),
-    "Point terminal": point_terminal.table_rows(),
-    "Point machine": point_machine.table_rows(),
-    "On-board unit: authority": authority.table_rows(),
-    "Level crossing": level_crossing.table_rows(),
-    "Barriers of a level crossing": crossing_equipment.table_rows(),
-    "On-board unit: level crossings": crossings.table_rows(),
+    "Point terminal": rows(point_terminal.TABLE),
+    "Point machine": rows(point_machine.TABLE),
+    "On-board unit: authority": rows(authority.TABLE),
+    "Level crossing": rows(level_crossing.TABLE),
+    "Barriers of a level crossing": rows(crossing_equipment.TABLE),
+    "On-board unit: level crossings": rows(crossings.TABLE),
 }
 NOT_IN_THE_TABLE = {"restart", "Expired", "AcceptPicture", "ConfirmOutside", "ConfirmHolding"}
 

@@ -1,7 +1,5 @@
 """GTFS feeds: one day read, what is left out said, damage named; a timetable written and read again."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

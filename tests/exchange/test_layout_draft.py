@@ -1,7 +1,5 @@
 """Pieces of track put together: nothing is lost or made up, however they were cut and turned."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

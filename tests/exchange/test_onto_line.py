@@ -1,7 +1,5 @@
 """A published day on a line: cut to it, its missing times computed, what it does not say said."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -218,12 +216,7 @@ def test_the_least_time_is_that_of_even_starts_and_stops(
     assert time_s >= length_m / speed_mps * (1.0 - 1e-12)
 
 
-def departing_days() -> st.SearchStrategy[list[list[int]]]:
-    """Trains over all stations of the line, in minutes between departures."""
-    return st.lists(st.lists(st.integers(1, 12), min_size=7, max_size=7), min_size=1, max_size=6)
-
-
-@given(departing_days())
+@given(st.lists(st.lists(st.integers(1, 12), min_size=7, max_size=7), min_size=1, max_size=6))
 def test_computed_arrivals_keep_departures_the_dwell_and_the_least_running_time(
     days: list[list[int]],
 ) -> None:

@@ -1,7 +1,5 @@
 """OpenStreetMap: what is on the map becomes tracks and points, and what is not so is said."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

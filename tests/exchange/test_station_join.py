@@ -1,7 +1,5 @@
 """Names that are the same to a reader join; what fits two stations, or none, is said."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """One order of stations from many trains."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

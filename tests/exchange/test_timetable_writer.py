@@ -1,7 +1,5 @@
 """What is written is read back the same, whatever it holds."""
 
-from __future__ import annotations
-
 import string
 
 import pytest

@@ -1,7 +1,5 @@
 """Sets are given to trains: links of the source, first in first out, portals, and what a night leaves where."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path

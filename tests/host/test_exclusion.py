@@ -5,8 +5,6 @@ The units are the very machine that runs (`onboard.unit`), the manager its very 
 points, the places of the trains in joints and what their crews do.
 """
 
-from __future__ import annotations
-
 import random
 from collections import Counter
 from collections.abc import Callable

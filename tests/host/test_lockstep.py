@@ -112,12 +112,8 @@ def telegram_of_another_hand_from_the_party() -> None:
     sealed, tagged = pair.asker.ask(5.0, (b"go",), b"")
     answer, _ = pair.answerer.answer(pair.answerer.question(sealed), tagged)
     strange = other.answerer.question(other.asker.ask(5.0, (b"stop",), b"")[0])
-    _, heard = other.answerer.answer(strange, other_tagged(b"stop"))
+    _, heard = other.answerer.answer(strange, Pair(key=OTHER_KEY).asker.ask(5.0, (b"stop",), b"")[1])
     assert pair.close(answer, heard).telegrams == (("u1", b"stop"),)
-
-
-def other_tagged(data: bytes) -> tuple[Tagged, ...]:
-    return Pair(key=OTHER_KEY).asker.ask(5.0, (data,), b"")[1]
 
 
 def telegram_turned_to_another_destination() -> None:

@@ -1,7 +1,5 @@
 """A limit to waiting counts only time in which one runs: the clock here is a list of times."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """Geometry against what circles, clothoids and straight lines are known to do."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Where trains meet on the train graph, by hand-made trajectories on a line of three stations."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Where any of two networks reaches, and the line with the first alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """A unit and the plant that it drives, on plain track."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

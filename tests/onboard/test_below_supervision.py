@@ -1,7 +1,5 @@
 """A train as fast as its wheels may be keeps below supervision before ends and lower limits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """Trains without a reader of tags: virtual tags, the driver's eye, a position found anew, by the driving part alone."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final

@@ -1,7 +1,5 @@
 """The driving part alone: from metres to joints, and from the command to what the tick works to."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final

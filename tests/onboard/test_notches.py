@@ -1,7 +1,5 @@
 """Automatic driving and the stop at the mark with the train's own dynamics; judged by properties, not by a course."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """From a mission to its plan: what each tag proves to be behind the train, and what a driver sees at a mark."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

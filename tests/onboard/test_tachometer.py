@@ -1,7 +1,5 @@
 """A tachometer that shows what no train can do is found out by the unit itself (Sugiyama, table 5)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

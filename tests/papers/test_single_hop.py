@@ -1,7 +1,5 @@
 """Hops from a stand to a stand on the bench: what is ordered comes out, whatever law drives, and nothing leaks over."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """The exact figures against enumeration, the binomial law and the reader's own code."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Running times of another simulator by its own assumptions, each of which is needed; and what its files may hold."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

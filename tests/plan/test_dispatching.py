@@ -1,7 +1,5 @@
 """The dispatcher's model against orders found by trying all, and the checker against solutions that are none."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The order of all trains that delays them least, asked by the manager: a day with known minutes, bounds, its lack."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import subprocess

@@ -1,7 +1,5 @@
 """What the best order begins with, where its question ends, and for how long anybody waits by it."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """Proofs that legs do not fit: found where there are no moves, recounted, and refused where one number is another."""
 
-from __future__ import annotations
-
 import json
 import re
 

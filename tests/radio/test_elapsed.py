@@ -1,7 +1,5 @@
 """Time that passes for timers, by a clock that is set."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Each threat of EN 50159 (repetition, deletion, insertion, re-sequencing, corruption, delay, masquerade)."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -39,7 +39,7 @@ def test_a_handler_must_say_what_it_does() -> None:
 def test_every_cell_of_every_machine_has_a_row() -> None:
     persons = len(acts.UNIT_ACTS) + len(acts.LINE_ACTS)
     assert len(block_manager.table_rows()) == len(block_manager.TELEGRAMS) + persons
-    assert len(point_terminal.table_rows()) == len(point_terminal.TABLE)
-    assert len(point_machine.table_rows()) == len(point_machine.TABLE)
+    assert len(rows(point_terminal.TABLE)) == len(point_terminal.TABLE)
+    assert len(rows(point_machine.TABLE)) == len(point_machine.TABLE)
     assert block_manager.table_rows()[0][:2] == ("unknown", "RouteRequest")
-    assert point_machine.table_rows()[0][:3] == ("at rest", "StartThrow", "start")
+    assert rows(point_machine.TABLE)[0][:3] == ("at rest", "StartThrow", "start")

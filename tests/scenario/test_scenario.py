@@ -1,7 +1,5 @@
 """Scenarios: what a file says, what it takes over from another, and what is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Trains that keep every rule, driven at random: no checker may find anything."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from hypothesis import given

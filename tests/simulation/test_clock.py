@@ -1,7 +1,5 @@
 """What a party's clock shows, and when it will show a time."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

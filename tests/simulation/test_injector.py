@@ -1,7 +1,5 @@
 """What link faults make of telegrams, and what people enter, without a world around."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any

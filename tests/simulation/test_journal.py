@@ -1,7 +1,5 @@
 """The journal: flat lines, and every type of event comes back from its line as it was."""
 
-from __future__ import annotations
-
 import errno
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """A late day: the same for the same seed, every source by itself, and as often as its figures say."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

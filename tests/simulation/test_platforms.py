@@ -1,7 +1,5 @@
 """When doors are shut on a late day: the plan's spare time is for passengers, and for no door that does not close."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is counted of how a stock is driven: motions made by hand, with their figures by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Final
 

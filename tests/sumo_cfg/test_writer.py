@@ -1,7 +1,5 @@
 """Plain XML of a passing loop: what is there, what is connected, where it lies."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Behaviours of block manager and point terminals that can be taken away."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec

@@ -1,7 +1,5 @@
 """A day whose first train leaves at midnight begins before it, and goes as the same day at ten o'clock does."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any, Final

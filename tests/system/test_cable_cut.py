@@ -3,8 +3,6 @@
 The paper's line with two trains, cut at any moment for any time, all of it or a part.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Final

@@ -2,8 +2,6 @@
 by contacts the warning lasts as long as the train takes from there. Tables and figures of a day say so.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache

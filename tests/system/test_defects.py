@@ -6,8 +6,6 @@
 not hold. Without the defect every scenario, its misbehaviour included, ends with nothing broken and all it expects.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final

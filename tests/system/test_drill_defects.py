@@ -3,8 +3,6 @@
 Switches are those of `conftest`, by name, and those that no other test needs, here.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

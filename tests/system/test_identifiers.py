@@ -1,7 +1,5 @@
 """Every id of every file is an identifier: none is a path, and a run named by one stays where runs are written."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Substitute working: followed, nothing breaks; with any steps left out, checkers and positions say the same of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Final

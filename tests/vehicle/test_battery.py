@@ -1,7 +1,5 @@
 """The battery: energy closes for any power, its charge stays in its window, a charge tapers; figures by hand."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Where each step's energy goes: the parts close at every instant, and fail to without any one of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The map of losses and the number of motors that run: what physics asks of them, and what a file may not say."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a train can pull is what the plant settles at, and where it is said to stall the plant does."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

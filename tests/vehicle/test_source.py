@@ -1,7 +1,5 @@
 """What wire or battery can give and take now limits the motors; the air brake does what they may not."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The certificate: it refuses exactly the grants after which not all could finish; without it some lines are lost."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 

@@ -5,8 +5,6 @@ The train is a point that runs at what speed the case says, never over 20 m/s, a
 pass; all that the unit is told of it is true, but that it may come sooner than it meant.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -12,6 +12,7 @@ from radio.messages import (
     CrossingProof,
     CrossingRequest,
 )
+from radio.table import rows
 from wayside.actions import Drive, Send, Show
 from wayside.config import CrossingConfig
 from wayside.crossing_said import (
@@ -38,7 +39,6 @@ from wayside.level_crossing import (
     CrossingTimeDue,
     start,
     step,
-    table_rows,
     wake_at_s,
 )
 from wayside.said import Barred, BarUnit, Unbarred, UnbarUnit
@@ -103,7 +103,7 @@ def closed_for(*units: str) -> Box:
 def test_every_state_takes_every_event() -> None:
     events = (ClosureAsked, CrossingLeft, CrossingDetected, CrossingContact, NoTrainComes, CrossingTimeDue)
     assert set(TABLE) == {(state, event) for state in CrossingState for event in events}
-    assert len(table_rows()) == len(TABLE)
+    assert len(rows(TABLE)) == len(TABLE)
 
 
 def test_the_warning_begins_so_long_before_the_front_as_the_line_has_it() -> None:

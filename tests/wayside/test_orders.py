@@ -1,7 +1,5 @@
 """What the dispatcher orders: given only if it can be done at once and all can then finish; lost, refused, doubled."""
 
-from __future__ import annotations
-
 import itertools
 import random
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 A (three tracks) |1|2|3| B (one track) |4| C (three tracks); the blocks 1 to 3 are one stretch.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final

@@ -1,7 +1,5 @@
 """The point terminal's rules, its refusals and its table; with the physical machine, what a proof is worth."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

@@ -24,7 +24,6 @@ from wayside.actions import Send, Show
 from wayside.acts import Act
 from wayside.block_manager import Heard, step
 from wayside.config import ReentryMode
-from wayside.picture import picture
 from wayside.reentry import PictureClash
 from wayside.register import ReentryStage, UnitStanding, start
 from wayside.said import (
@@ -364,26 +363,24 @@ def test_a_token_that_no_known_boot_gave_contradicts_its_unit_alone() -> None:
     assert after.defined
 
 
-def test_the_picture_shows_claims_silences_and_contradictions_side_by_side() -> None:
+def test_claims_silences_and_contradictions_stand_side_by_side() -> None:
     desk = Desk()
     desk.claim("u2")
     desk.hear("u1", SignOn("u1", None), 2)
     desk.act(ConfirmHolding("u1", ("B", "A", "E"), "Sato"))
-    seen = picture(desk.register)
-    one, two, three, four = seen.units
-    assert (one.standing, one.claim, one.silent_since_s) == (UnitStanding.UNKNOWN, None, 60.0)
-    assert one.words == (("sato", ("A", "B", "E")),)
-    assert (two.claim, two.sections, two.silent_since_s, two.vouched) == (("E",), ("E",), None, True)
-    assert (three.on_ledger, three.silent_since_s, three.vouched) == (True, 0.0, False)
-    assert (four.on_ledger, four.vouched) == (False, True)
-    e = next(section for section in seen.sections if section.section_id == "E")
-    assert (e.holder, e.defined, e.entered) == ("u2", True, (("sato", "u1"),))
-    assert next(s for s in seen.sections if s.section_id == "C").defined is False
-    assert [(found.clash, found.section_id) for found in seen.contradictions] == [
+    seen = desk.register
+    assert (seen.unit("u1").standing, seen.reentry.heard_s["u1"]) == (UnitStanding.UNKNOWN, 60.0)
+    assert reentry.words_for(seen, "u1") == {"sato": {"A", "B", "E"}}
+    assert seen.held_by("u2") == ("E",)
+    assert [reentry.vouched(seen, unit_id) for unit_id in ("u2", "u3", "u4")] == [True, False, True]
+    assert ("u3" in seen.ledger, "u4" in seen.ledger) == (True, False)
+    assert (seen.holders["E"], seen.reentry.entries["E"]) == ("u2", {"sato": "u1"})
+    assert (seen.defined, "C" in seen.holders) == (False, False)
+    assert [(found.clash, found.section_id) for found in reentry.contradictions(seen)] == [
         (PictureClash.ENTERED_FOR_ANOTHER, "E")
     ]
-    assert seen.missing.unit_ids == ("u1", "u3")
-    assert (seen.stage, seen.complete, seen.inputs) == (ReentryStage.INCOMPLETE, False, (("sato", 1),))
+    assert reentry.missing(seen).unit_ids == ("u1", "u3")
+    assert (reentry.stage(seen), seen.reentry.inputs) == (ReentryStage.INCOMPLETE, {"sato": 1})
 
 
 @pytest.mark.parametrize(

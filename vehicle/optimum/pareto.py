@@ -125,12 +125,10 @@ def _prices_w(hull: Sequence[ParetoPoint], chords: Sequence[float]) -> Iterator[
         yield min(max(price_w, low), high)
 
 
-def proportional_curve(least_s: float, stretch_max: float = 20.0, *, may_wait: bool = True) -> HopCurve:
+def proportional_curve(least_s: float) -> HopCurve:
     """A cost of which the least sum stretches all running times alike: least_s^2 / T, at ratios that all hops share."""
-    ratios = np.geomspace(1.0, stretch_max, 60)
-    return curve_of(
-        (ParetoPoint(least_s * r, least_s / r, 1.0 / (r * r)) for r in ratios.tolist()), may_wait=may_wait
-    )
+    ratios = np.geomspace(1.0, 20.0, 60)
+    return curve_of(ParetoPoint(least_s * r, least_s / r, 1.0 / (r * r)) for r in ratios.tolist())
 
 
 def _saving_w(before: ParetoPoint, after: ParetoPoint) -> float:

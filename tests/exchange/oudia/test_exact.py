@@ -1,7 +1,5 @@
 """A timetable that is written as an OuDiaSecond file is read back the same; what somebody has taken away is said."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

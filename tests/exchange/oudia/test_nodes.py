@@ -1,7 +1,5 @@
 """A file is kept as it is, down to keys that nobody here knows; a file that is none gets one message."""
 
-from __future__ import annotations
-
 import codecs
 from pathlib import Path
 

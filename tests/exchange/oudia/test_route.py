@@ -1,7 +1,5 @@
 """What a file says of its trains, in each generation of the format, and what becomes of it as a published timetable."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Identifiers are no paths, and text has nothing that cannot be shown."""
 
-from __future__ import annotations
-
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import pytest

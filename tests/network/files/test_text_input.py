@@ -1,7 +1,5 @@
 """Text of files: a mark is read over, another encoding is named, size and nesting have an end."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

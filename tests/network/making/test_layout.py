@@ -1,7 +1,5 @@
 """Lists of stations drawn at random become lines that validate, on which every track leads to every next one."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from itertools import pairwise

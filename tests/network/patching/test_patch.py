@@ -1,7 +1,5 @@
 """Patches change what they say and nothing else, and take the blame for what they break."""
 
-from __future__ import annotations
-
 import tomllib
 from copy import deepcopy
 from pathlib import Path

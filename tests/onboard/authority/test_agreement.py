@@ -1,7 +1,5 @@
 """Rows of the table of agreement: register and unit contradict each other, and what ends that."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

@@ -25,9 +25,9 @@ from onboard.authority.records import (
 from onboard.plan import PointsNeeded
 from radio import messages as radio
 from radio.envelope import Received
+from tests.onboard.duty.stage import SECTIONS
 
 UNIT, MANAGER, TERMINAL = "V1", "BM", "A-E"
-SECTIONS: Final = ("5", "6", "7", "8")
 P5: Final = PointsNeeded("P5", Position.NORMAL, "5", TERMINAL)
 P6: Final = PointsNeeded("P6", Position.REVERSE, "5", "A-F")
 FIVE, SEVEN = radio.Capability(TERMINAL, "5", b"five"), radio.Capability("B-W", "7", b"seven")

@@ -1,7 +1,5 @@
 """The authority machine as a whole: what no table names, radio and timers, and what always holds."""
 
-from __future__ import annotations
-
 from typing import Final, get_args
 
 import pytest
@@ -9,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from network.model import Position
 from onboard.authority.machine import TABLE, step
 from onboard.authority.records import (
     Action,
@@ -49,11 +46,7 @@ from onboard.authority.records import (
     Withdrawn,
 )
 from onboard.authority.tables import REPEAT_S, SignOnStanding, standing
-from onboard.plan import PointsNeeded
-
-P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
-P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
-SECTIONS: Final = ("5", "6", "7", "8")
+from tests.onboard.duty.stage import P5, P7, SECTIONS
 
 OFF: Final = Authority()
 ON_LINE: Final = Authority(held=("3",), on_line=True)

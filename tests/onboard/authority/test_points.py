@@ -31,10 +31,8 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
-from onboard.plan import PointsNeeded
+from tests.onboard.duty.stage import P5, P7
 
-P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
-P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
 TIMER: Final = Timer("points", "P5")
 HOLDING: Final = Authority(held=("3", "5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
 OPEN: Final = OpenCommand(P5, sent=True)

@@ -5,7 +5,6 @@ from typing import Final
 import pytest
 from msgspec.structs import replace
 
-from network.model import Position
 from onboard import notes
 from onboard.authority import report
 from onboard.authority.machine import step
@@ -28,10 +27,8 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
-from onboard.plan import PointsNeeded
+from tests.onboard.duty.stage import P5, P7
 
-P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
-P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
 REPORT: Final = Timer("report")
 OPEN: Final = OpenRequest(RequestKind.REPORT, sent=True)
 ASKED: Final = OpenRequest(RequestKind.ROUTE, "8>PE", ("10", "11", "PE"), sent=True)

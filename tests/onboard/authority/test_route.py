@@ -5,7 +5,6 @@ from typing import Final
 import pytest
 from msgspec.structs import replace
 
-from network.model import Position
 from onboard import notes
 from onboard.authority import route
 from onboard.authority.machine import step
@@ -28,11 +27,9 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
-from onboard.plan import PointsNeeded
 from tests.onboard.authority.test_report import reported
+from tests.onboard.duty.stage import P5, SECTIONS, holds
 
-P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
-SECTIONS: Final = ("5", "6", "7", "8")
 ROUTE: Final = Timer("route")
 
 ON_LINE: Final = Authority(held=("3",), on_line=True)
@@ -44,10 +41,6 @@ REFUSAL: Final = RefusalHeard(
     RequestKind.ROUTE, "3>8", "held: section 6 of V2", lost_sight=False, answers=True
 )
 TAKEN: Final = (StopTimer(ROUTE), Take(SECTIONS), Write(notes.RouteHeld(route_id="3>8", token=0)))
-
-
-def holds(*section_ids: str) -> Write:
-    return Write(notes.Holds(section_ids=section_ids, token=0))
 
 
 def other(grant: GrantHeard, **changes: object) -> GrantHeard:

@@ -5,7 +5,6 @@ from typing import Final
 import pytest
 from msgspec.structs import replace
 
-from network.model import Position
 from onboard import notes
 from onboard.authority import sign_on
 from onboard.authority.machine import step
@@ -37,9 +36,8 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
-from onboard.plan import PointsNeeded
+from tests.onboard.duty.stage import P5, holds
 
-P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
 SIGN_ON, SIGN_OFF, REPORT = Timer("sign on"), Timer("sign off"), Timer("report")
 
 OFF: Final = Authority()
@@ -57,10 +55,6 @@ SIGNING_OFF: Final = replace(ON_LINE, requests=(LEAVING,))
 
 
 GIVING_BACK: Final = OpenRequest(RequestKind.REPORT, sent=True)  # all that is not said
-
-
-def holds(*section_ids: str) -> Write:
-    return Write(notes.Holds(section_ids=section_ids, token=0))
 
 
 def claimed(*section_ids: str) -> Write:

@@ -27,10 +27,10 @@ from onboard.crossings.machine import (
     may_pass,
     starts_too_soon,
     step,
-    table_rows,
     wake_s,
 )
 from radio.messages import CrossingOver, CrossingRequest
+from radio.table import rows
 from wayside.level_crossing import FREES_S
 
 AHEAD, ASKED, PROVEN, PASSING, LEAVING = CrossingPhase
@@ -247,7 +247,7 @@ def test_a_crossing_that_persons_free_hears_twice_of_a_train_on_it() -> None:
 
 
 def test_every_row_says_what_happens() -> None:
-    assert len(table_rows()) == len(TABLE)
+    assert len(rows(TABLE)) == len(TABLE)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """The bound of a train's true speed while its wheels slide, by hand and against the plant on random rails."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 

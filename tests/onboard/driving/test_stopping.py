@@ -1,7 +1,5 @@
 """TASC in the tick: the speed while wheels slide, the model fed with what was really issued, the waves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

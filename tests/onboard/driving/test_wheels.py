@@ -1,7 +1,5 @@
 """Supervision and driving by wheels that may be larger than the tachometer is set for, and so by a greater speed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

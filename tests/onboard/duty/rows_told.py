@@ -1,7 +1,5 @@
 """Rows of the table of the duty for what timers and telegrams tell: state, event, place; next state and actions."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from msgspec.structs import replace

@@ -1,7 +1,5 @@
 """Rows of the table of the duty, on the run of the RTRI test line: next state and actions."""
 
-from __future__ import annotations
-
 from typing import Any, Final, get_args
 
 import pytest

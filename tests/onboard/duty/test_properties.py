@@ -4,8 +4,6 @@ The steps are those of `verify.lone_unit`: the real machines, a train that moves
 answer well or ill, people, tags and timers.
 """
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Iterator
 from typing import Final

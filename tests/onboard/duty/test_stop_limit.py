@@ -1,7 +1,5 @@
 """Section 2.2 of Sugiyama et al.: before the departure points, before the arrival points, on the track."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest
@@ -20,9 +18,8 @@ from onboard.duty.stop_limit import (
 )
 from onboard.mission import Mission
 from onboard.plan import DutyPlan, PointsNeeded, plan_of
+from tests.onboard.duty.stage import P5, P7
 
-P5: Final = PointsNeeded("P5", Position.NORMAL, "5", "A-E")
-P7: Final = PointsNeeded("P7", Position.NORMAL, "7", "B-W")
 ALL: Final = ("3", "5", "6", "7", "8")  # joints 0 to 4; the end of the path is joint 5
 
 

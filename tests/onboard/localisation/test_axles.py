@@ -1,7 +1,5 @@
 """The tachometer against another axle: whichever errs, the front stays inside the bounds, and soon there is a doubt."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Final

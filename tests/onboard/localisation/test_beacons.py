@@ -1,7 +1,5 @@
 """Beacons by interval and window (Harada, 2.2): what is used, what fails, and what may never move the bounds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

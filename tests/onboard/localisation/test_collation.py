@@ -1,7 +1,5 @@
 """Equations (2) and (3): the sums, the least of them, and the interval that noise can explain."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

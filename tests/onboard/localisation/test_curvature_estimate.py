@@ -1,7 +1,5 @@
 """What a fix by curvature does to the estimate, and what is learned of the gyro's bias to the metres in the ring."""
 
-from __future__ import annotations
-
 from typing import Any, cast
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One rule for every fix: intervals are cut, never moved off the truth."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """A satellite fix: what it may do to estimate and bounds, what is a lie, and what of lies is held."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

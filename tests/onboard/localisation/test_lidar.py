@@ -1,7 +1,5 @@
 """The reader of the LiDAR: a pattern is a fix where the map has it, and nothing moves the estimate off the truth."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Equations 2 to 4: points moved by the way run since, speed by the mean distance, smoothed twice."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The catalogue of patterns: how far any two are apart, and that what is not exactly one of them is refused."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The tag telegram and the vote: section 6.1.3 of Sugiyama, Fukuda and Kitano, and what a CRC must do."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np

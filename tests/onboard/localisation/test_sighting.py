@@ -1,7 +1,5 @@
 """A frame of the camera as a fix: intervals are cut, never moved off the truth; a sign not seen is told."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whatever tags say within what units are told to expect, the truth stays inside the bounds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate

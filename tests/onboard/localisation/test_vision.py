@@ -1,7 +1,5 @@
 """The sign in an image, the table, the station database and the position fix; figures from Oda 2019, chapter 3."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Collisions on plain track: what SUMO finds, in the same step and the same words; and what it has no eyes for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Faults that overlap: at any time a quantity is what those in force make of its base, and nothing else."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """The table of faults and the words for links."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

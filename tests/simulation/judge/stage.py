@@ -32,7 +32,7 @@ from simulation.judge.checkers import Checker, Checkers, GuaranteedBrake, Points
 from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
 from simulation.judge.liveness import LOOKS_EVERY_S, TrainAndDisplay
-from simulation.judge.speed import LimitOnEdge, TrueLimits
+from simulation.judge.speed import LimitBetween, TrueLimits
 from simulation.procedure import Regime, before_entry
 from sumo_cfg.truth_map import NetEdge, NetMap
 
@@ -58,7 +58,7 @@ CROSSINGS = {  # in W and E, each 6 m of road, with barriers and without
     "W": CrossingFacts({"W+": 250.0, "W-": 44.0}, True, 25.0, 15.0),
     "E": CrossingFacts({"E+": 50.0, "E-": 244.0}, False, 20.0, 20.0),
 }
-LIMITS = TrueLimits({"E-": [LimitOnEdge(270.0, 280.0, 15.0)]}, {"A": 25.0, "B": 25.0}, margin_mps=2.0)
+LIMITS = TrueLimits({"E-": [LimitBetween(270.0, 280.0, 15.0)]}, {"A": 25.0, "B": 25.0}, margin_mps=2.0)
 NO_CROSSINGS: Mapping[str, CrossingFacts] = MappingProxyType({})
 CREEP_MPS = 15.0 / 3.6
 BRAKE = GuaranteedBrake(deceleration_mps2=1.0, reaction_s=1.0, gravity_mps2=9.0)

@@ -1,13 +1,11 @@
 """`too-fast` in every step between two looks, by hand: a limit of 15 m/s from 270 to 280 m of E-, a train of 40 m."""
 
-from __future__ import annotations
-
 import pytest
 
 from simulation.judge.body import Body, NetTrack
 from simulation.judge.log import Checker, Log
 from simulation.judge.rail import RailWatch
-from simulation.judge.speed import LimitOnEdge, RunSince, SpeedWatch, TrueLimits
+from simulation.judge.speed import LimitBetween, RunSince, SpeedWatch, TrueLimits
 from tests.simulation.judge.stage import Stage, net
 
 STEP_S = 0.1
@@ -56,7 +54,7 @@ def test_it_may_run_faster_as_soon_as_its_rear_has_left_the_limit(
 def test_an_edge_that_the_train_ran_over_between_two_looks_counts() -> None:
     """20 m of train over 10 m of track at 10 m/s: it lies on neither look's edges, both beyond."""
     log, track = Log(), NetTrack(net(), {})
-    watch = SpeedWatch(net(), TrueLimits({"stem2-": [LimitOnEdge(0.0, 10.0, 10.0)]}, {}, 2.0), log)
+    watch = SpeedWatch(net(), TrueLimits({"stem2-": [LimitBetween(0.0, 10.0, 10.0)]}, {}, 2.0), log)
     body = Body("A", 20.0, ["B-"])
     track.follow(body, "B-", 490.0)
     track.follow(body, "normal2-", 29.0)

@@ -1,7 +1,5 @@
 """Times drawn from named distributions: their means are those of the distribution, and wrong figures are refused."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Light and weather of the open air: the exposure's arithmetic, and what pictures show of it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

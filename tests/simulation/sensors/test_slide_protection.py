@@ -1,7 +1,5 @@
 """The slide protection knows what its axles show, and from that alone tells nearly all that the wheels do."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import example, given

@@ -1,7 +1,5 @@
 """The length of a stretch changes nothing: the kernel in stretches of any lengths, compared bit by bit."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

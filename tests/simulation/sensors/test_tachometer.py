@@ -1,7 +1,5 @@
 """What a turn of the measured wheel is worth: worn, creeping, in curves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

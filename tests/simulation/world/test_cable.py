@@ -1,7 +1,5 @@
 """Who is reached over a cut cable, and that nobody is the worse for it where the interlocking is on board."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

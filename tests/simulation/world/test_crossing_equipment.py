@@ -6,6 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from network.model import CrossingClass, CrossingControl, LevelCrossing
+from radio.table import rows
 from simulation.carriers.road_shown import CrossingShown
 from simulation.events import BarrierState
 from simulation.faults.crossings import CrossingCondition
@@ -20,7 +21,6 @@ from simulation.world.crossing_equipment import (
     equipment_of,
     shown,
     step,
-    table_rows,
 )
 from wayside.crossing_said import CloseCrossing, CrossingDetected, OpenCrossing
 
@@ -43,7 +43,7 @@ def after(*happened: tuple[float, EquipmentEvent]) -> CrossingEquipment:
 def test_every_state_takes_every_event() -> None:
     events = (CloseCrossing, OpenCrossing, BarrierTimeOver, ConditionChanged, ObstacleDetected)
     assert set(TABLE) == {(state, event) for state in BarrierState for event in events}
-    assert len(table_rows()) == len(TABLE)
+    assert len(rows(TABLE)) == len(TABLE)
 
 
 def test_barriers_are_down_when_the_line_says_so() -> None:

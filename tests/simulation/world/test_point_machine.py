@@ -1,7 +1,5 @@
 """The physical points: throws take their time, faults do what they say, the table is complete."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Compression: the hand calculation of docs/capacity.md, and what holds of any day."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Headways: what a hand calculation gives, under the names of the trade, and the components make up the whole."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Blocking times of runs: whole, never two stocks' at once, and as the table keeps them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

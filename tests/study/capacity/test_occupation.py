@@ -1,7 +1,5 @@
 """Occupations: cut without gaps, the parts make up the whole, and two at a time are a conflict."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -4,8 +4,6 @@ Places in a row, of one or two tracks, a section between each two of them. A tra
 starts; the track it leaves and the section are free so long after it has come to the next place.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Room for more: what fits into a gap by hand, and nothing that is put in overlaps anything."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

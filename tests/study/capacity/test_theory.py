@@ -211,16 +211,12 @@ def test_radio_moves_its_own_parts_alone(tmp_path: Path) -> None:
     """A telegram that takes 2.0 s instead of 0.1 s, constant: five of them lead to a proven route."""
     setup = two_blocks(tmp_path)
     slow = setup.air.model_copy(update={"delay_mean_s": 2.0, "delay_shape": DelayShape.CONSTANT})
-    quick, late = (by_id(occupations(made, MINIMAL)) for made in (setup, _with_air(setup, slow)))
+    quick, late = (by_id(occupations(made, MINIMAL)) for made in (setup, replace(setup, air=slow)))
     for one, other in ((quick["5"], late["5"]),):
         assert other.of_part(A) - one.of_part(A) == pytest.approx(2 * 1.9, abs=1e-6)
         for part in (G, P, FREE):
             assert other.of_part(part) - one.of_part(part) == pytest.approx(1.9, abs=1e-6)
         assert other.length_s - one.length_s == pytest.approx(5 * 1.9, abs=1e-6)
-
-
-def _with_air(setup: Setup, air: AirParameters) -> Setup:
-    return replace(setup, air=air)
 
 
 def test_moved_journeys_move_their_occupations(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """Closed road and warnings: a journal whose figures are counted by hand, and what holds for every journal."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -1,7 +1,5 @@
 """Energy by train, leg and layover: sums that close, on made-up records and against the plants of a whole run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Energy by hour: nothing is lost or doubled, and a record lies in the hours in which it was."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """From hand-made leavings of a run to its tables: figures that can be checked on paper."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Which times moved: matched by train and station, beyond the threshold, with their sign."""
 
-from __future__ import annotations
-
 import polars as pl
 import pytest
 from hypothesis import given

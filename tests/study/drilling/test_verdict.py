@@ -1,7 +1,5 @@
 """Verdicts on expectations, from a made-up journal."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from typing import Any

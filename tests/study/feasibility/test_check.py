@@ -1,7 +1,5 @@
 """The one check: broken plans are refused for what was broken, good ones are not, and what lies between is told."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A plan whose train cannot manage a gradient of its way is refused, or told, with the place and the forces."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Where a train that runs through is at what time, in the day as it is played through."""
 
-from __future__ import annotations
-
 import pytest
 
 from network.files.line_file import load_line

@@ -1,7 +1,5 @@
 """A day in a few figures: against the plan, and what never came, or never ran, is not on time."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Whose fault lateness was, when it was over, and who waits in a ring: small days made by hand."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The table of how hops were driven: records made by hand, with their figures by hand."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Least running times in closed form, and margins of a timetable and a run that can be checked on paper."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 

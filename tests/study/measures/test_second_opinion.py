@@ -1,7 +1,5 @@
 """The published formula by hand, energy worked out again from a trace, and figures beside their sources."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

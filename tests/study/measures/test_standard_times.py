@@ -95,13 +95,9 @@ def test_passing_parts_add_up_to_the_run_between_the_stops(passing: Setup) -> No
 
 
 def test_a_train_of_another_kind_and_a_slower_line_need_more(setup: Setup) -> None:
-    slow = replace(setup, driving=replace_driving(setup, 0.3))
+    slow = replace(setup, driving=setup.driving.model_copy(update={"stop_deceleration_mps2": 0.3}))
     for ours, theirs in zip(standard_times(setup), standard_times(slow), strict=True):
         assert theirs.stop_stop_s > ours.stop_stop_s
-
-
-def replace_driving(setup: Setup, stop_deceleration_mps2: float) -> Driving:
-    return setup.driving.model_copy(update={"stop_deceleration_mps2": stop_deceleration_mps2})
 
 
 def test_a_line_without_a_way_through_has_none(setup: Setup) -> None:

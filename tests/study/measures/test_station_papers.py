@@ -1,7 +1,5 @@
 """Track occupation, station timetable and punctuality, by hand on a small day."""
 
-from __future__ import annotations
-
 import polars as pl
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """A run directory read back: the same inputs, tables and report as the run had, or one error that names the file."""
 
-from __future__ import annotations
-
 import errno
 import json
 import shutil

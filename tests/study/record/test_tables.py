@@ -1,7 +1,5 @@
 """Tables and summary: exact round trip through Parquet, and figures that were worked out by hand."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path

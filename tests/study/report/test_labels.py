@@ -1,7 +1,5 @@
 """Labels of the report's figures do not collide, on a quiet line and with 96 trains: by matplotlib's own extents."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations

@@ -1,7 +1,5 @@
 """What is packed into the page comes back, to its precision; what is not a payload is refused."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

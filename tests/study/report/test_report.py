@@ -1,7 +1,5 @@
 """The report: one file that opens offline, shows every train and station, and has room for small and empty runs."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

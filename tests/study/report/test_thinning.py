@@ -1,7 +1,5 @@
 """What is left out of a curve can be read off what is kept, within the tolerance, at the same time."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

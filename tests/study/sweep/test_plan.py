@@ -1,7 +1,5 @@
 """A sweep file: the points it makes, what is drawn, and what is refused before anything is written."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from statistics import mean, stdev

@@ -1,7 +1,5 @@
 """Intervals hold the truth as often as they say; known figures by hand."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 

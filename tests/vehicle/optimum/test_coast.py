@@ -1,7 +1,5 @@
 """The run that shuts off once: within its time, under the fastest run, no dearer than any of its kind."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """Times of a journey: least energy within all windows, its prices, its bound, and what cannot be kept."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -187,17 +185,13 @@ def test_no_journey_within_the_windows_is_cheaper_nor_below_the_bound_of_any_pri
     assert broken_by_s(stops, other) <= 1e-5
     other_j, best_j = energy_j(hops, other.running_s), energy_j(hops, best.running_s)
     assert best_j <= other_j * (1.0 + 1e-9) + 1e-3
-    if all(window_ends(stop) for stop in stops[1:]):
+    if all(math.isfinite(min(stop.arrival.latest_s, stop.departure.latest_s)) for stop in stops[1:]):
         prices = data.draw(st.lists(st.floats(0.0, 1e6), min_size=len(hops), max_size=len(hops)))
         proven = [
             ProvenHop(tuple(tangents(hop)), hop.least_s * data.draw(st.sampled_from([0.0, 1.0])))
             for hop in hops
         ]
         assert journey_bound_j(proven, stops, prices) <= best_j * (1.0 + 1e-9) + 1e-3
-
-
-def window_ends(stop: JourneyStop) -> bool:
-    return math.isfinite(min(stop.arrival.latest_s, stop.departure.latest_s))
 
 
 @given(journeys(), st.data())

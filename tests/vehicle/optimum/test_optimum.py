@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any
@@ -11,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from vehicle.mass import equivalent_mass_kg
-from vehicle.optimum import Course, Optimum, TooShort, least_energy, least_time
+from vehicle.optimum import Course, TooShort, least_energy, least_time
 from vehicle.optimum.bound import Term, bound_of, lower_bound_j
 from vehicle.optimum.course import NotFound
 from vehicle.optimum.laws import laws_at
@@ -138,14 +136,9 @@ def test_bound_and_possible_run_are_close(seed: int, share: float, name: str) ->
     assert proof.time_s <= time_s
     assert proof.bound_j <= proof.energy_j
     # Of what is spent in all, as downhill the net may be about nothing.
-    spent_j = proven_spent_j(proof.optimum)
+    spent_j = float(np.sum(np.maximum(proof.optimum.force_n, 0.0) * np.diff(proof.optimum.position_m)))
     assert proof.energy_j - proof.bound_j <= 0.02 * spent_j
     assert proof.mesh_energy_j == pytest.approx(proof.energy_j, abs=0.01 * spent_j)
-
-
-def proven_spent_j(optimum: Optimum) -> float:
-    """What the motors put in."""
-    return float(np.sum(np.maximum(optimum.force_n, 0.0) * np.diff(optimum.position_m)))
 
 
 @pytest.mark.parametrize("term", list(Term))

@@ -1,7 +1,5 @@
 """The curve of a hop through a few solutions: convex, between tangents and chords, with its price."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fuzzy sets of Yasunobu and others, 5.1: at the points by which the paper tells their shapes."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """The law `pid` on the paper's hop: what its parts are for, and that without them it is worse."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np
