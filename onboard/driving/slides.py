@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import Final
 
 from onboard.driving.supervision import fastest_share
+from onboard.localisation.tachometer import DESCENT_MPS2, ROLLS_S
 from onboard.records import BehaviourRow, UnitRow
 from vehicle.adhesion import ROTATING_SHARE_MIN
 from vehicle.compiled import compiled
@@ -27,8 +28,6 @@ from vehicle.traction import full_force_n
 LET_GO_S: Final = 0.3  # assumed: a valve has emptied the cylinder of its axle
 NO_BRAKE_MPS2: Final = 0.05  # less than this holds no axle on any rail
 FREE_S: Final = 1.0  # assumed: brakes let go by so much later than they are designed to
-ROLLS_S: Final = 1.0  # so long it has to be said that wheels roll: they may slide by turns
-DESCENT_MPS2: Final = 0.4  # assumed: 40 permille make of a train no more
 
 
 @compiled

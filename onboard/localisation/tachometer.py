@@ -3,9 +3,10 @@
 Invariant: the true front lies within [position - bound_behind, position + bound_ahead] as long as the wheels'
 error stays within `bound_growth` metres per metre run, and while they slide or slip within what their protection
 allows. Wheels that may be locked tell nothing: the bound ahead then grows with time, by the speed that the train had
-when they last rolled, less what it surely brakes. Bounds only grow until a fix cuts them. A tachometer that shows what
-no train can do is reported (速度発電機の出力異常・出力なし, table 5): no output, output that does not answer power or
-brake, output that another axle contradicts (`onboard.localisation.axles`).
+when they last rolled, less what it surely brakes, until they have rolled again for `ROLLS_S`. Bounds only grow until a
+fix cuts them. A tachometer that shows what no train can do is reported (速度発電機の出力異常・出力なし, table 5): no
+output, output that does not answer power or brake, output that another axle contradicts
+(`onboard.localisation.axles`).
 """
 
 from __future__ import annotations
@@ -33,6 +34,10 @@ LOST_SHARE = 0.5  # slide protection keeps the wheel above this share of the tra
 LOST_FROM_MPS = 1.0
 GAINED_MPS = 2.5  # wheels spin up by less than this, and than their speed again, within a step
 BY_TURNS_S = 1.0  # a slip that was seen may go on this long under the name of a slide
+ROLLS_S = (
+    1.0  # so long wheels have to turn as rolling ones do: they may slide by turns, or come back from a lock
+)
+DESCENT_MPS2 = 0.4  # assumed: 40 permille make of a train no more
 ANSWERS_MPS2 = 0.1  # half the service brake slows a train by more than this on any gradient here
 
 
@@ -133,12 +138,16 @@ def unseen_run_m(unit: UnitRow, train: TrainRow, run_m: float, speed_mps: float,
     """How far the train may have run in this step beyond what its wheels counted, m; keeps `unit.may_run_mps`.
 
     Wheels that roll show its speed. Standing ones may be locked, and turning ones that slide or slip may turn at any
-    speed, where the train has no protection that keeps them above a share of its own. What sees the speed otherwise
-    (`unit.seen_speed_mps`) bounds it.
+    speed, where the train has no protection that keeps them above a share of its own. Those that turn again after
+    that come up to its speed first. What sees the speed otherwise (`unit.seen_speed_mps`) bounds it.
     """
     rolled_mps = speed_mps * unit.odometer_scale
     locks = train.wheel_slide_share_max > LOST_SHARE
-    if speed_mps > 0.0 and (unit.wheel_slide == 0 or not locks):
+    turns = speed_mps > 0.0 and (unit.wheel_slide == 0 or not locks)
+    if not turns:
+        unit.turns_s = 0.0
+    elif not (locks and comes_back(unit, rolled_mps, speed_mps, step_s)):
+        unit.turns_s = ROLLS_S
         unit.may_run_mps = (
             rolled_mps / (1.0 - train.wheel_slide_share_max) if unit.wheel_slide != 0 else rolled_mps
         )
@@ -150,6 +159,25 @@ def unseen_run_m(unit: UnitRow, train: TrainRow, run_m: float, speed_mps: float,
     brakes = unit.notch < 0.0 or unit.emergency != 0
     unit.may_run_mps = max(before_mps - SURE_BRAKE_MPS2 * step_s, rolled_mps) if brakes else before_mps
     return max((before_mps + unit.may_run_mps) / 2.0 * step_s - run_m, 0.0)
+
+
+@compiled
+def comes_back(unit: UnitRow, rolled_mps: float, speed_mps: float, step_s: float) -> bool:
+    """Whether wheels that stood or slid and now turn may still turn slower than the train runs, as they gain speed.
+
+    A slide protection that compares axles does not see it where all of them were locked.
+    """
+    if unit.turns_s >= ROLLS_S or rolled_mps >= unit.may_run_mps:
+        return False
+    if unit.turns_s == 0.0:
+        unit.turned_mps = speed_mps
+    unit.turns_s += step_s
+    if unit.turns_s < ROLLS_S:
+        return True
+    gains = unit.notch <= 0.0 and speed_mps - unit.turned_mps > DESCENT_MPS2 * ROLLS_S
+    if gains:
+        unit.turns_s = 0.0
+    return bool(gains)
 
 
 @compiled

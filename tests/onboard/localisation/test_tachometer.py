@@ -125,6 +125,27 @@ def test_locked_wheels_let_the_bound_grow_with_time(
     assert unit.bound_ahead_m == pytest.approx(ACCURACY_M + from_mps**2 / (2.0 * SURE_BRAKE_MPS2))
 
 
+@pytest.mark.parametrize("gains_mps2", [0.6, 1.4, 4.0])
+def test_locked_wheels_that_turn_again_show_the_speed_only_once_they_roll(
+    train: TrainRow, gains_mps2: float
+) -> None:
+    """Both axles were locked, so the protection says that they roll, as the rail brings them back."""
+    unit, train = new_unit(growth=0.0), train.copy()
+    train.wheel_slide_share_max = 1.0
+    true_m, shown_m, true_mps, shown_mps = 2.0, 2.0, 6.0, 0.0
+    locate(unit, train, 2.0, true_mps, STEP_S)
+    for step in range(200):
+        unit.wheel_slide = -1 if step < 10 else 0
+        if step >= 20:
+            shown_mps = min(shown_mps + gains_mps2 * STEP_S, true_mps)
+        true_m, shown_m = true_m + true_mps * STEP_S, shown_m + shown_mps * STEP_S
+        locate(unit, train, shown_m, shown_mps, STEP_S)
+        assert true_m <= unit.position_m + unit.bound_ahead_m + 1e-9
+    ahead_m = unit.bound_ahead_m
+    locate(unit, train, shown_m + true_mps * STEP_S, true_mps, STEP_S)
+    assert unit.bound_ahead_m == ahead_m, "wheels that roll again tell all"
+
+
 def test_wheels_that_come_to_rest_with_the_train_cost_millimetres(train: TrainRow) -> None:
     """A stop at 0.5 m/s^2: the last speed shown is 0.05 m/s."""
     unit = new_unit(growth=0.0)
