@@ -81,9 +81,7 @@ class UnitRow(Protocol):
     believes_wheels: Annotated[int, "1: the estimate goes by what they count also while they slide or slip"]
     train_mps: Annotated[float, "the train's own speed: the wheel's, but while that slides"]
     may_run_mps: Annotated[float, "the train runs no faster than this, also while its wheels are locked"]
-    turns_s: Annotated[
-        float, "for how long wheels that stood or slid have turned since, up to when they roll"
-    ]
+    turns_s: Annotated[float, "for how long wheels that stood or slid have turned since"]
     turned_mps: Annotated[float, "what they showed first"]
     slid_mps: Annotated[float, "nor than this since its wheels began to slide or slip; 0: they roll"]
     let_go_s: Annotated[float, "for how long then the slide protection has let the last axle go"]

@@ -235,11 +235,8 @@ def _before(
     waits, goes = f"{train} waits for {ahead}", f"order changed: {train} goes before {ahead}"
     if coming is None:
         return Precedence(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
-    if (
-        BOUNDED
-        and _bound_reached(register, days, other, first.hop, order)
-        and _could_go(days, stands, first.index)
-    ):
+    bound = BOUNDED and _bound_reached(register, days, other, first.hop, order)
+    if bound and _could_go(days, stands, first.index):
         often = f"before which {other.overtaken} trains have gone"
         why = f"{waits}, {often if other.overtaken else 'which has waited as long as it may'}"
     elif order is not None and order.is_first(first, index):

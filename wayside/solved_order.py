@@ -41,17 +41,13 @@ STANDS_ON = True  # off: who is overdue counts as ready this second, however lon
 def with_order(
     register: Register, days: Days, stands: Stands, begins: Callable[[], tuple[tuple[int, ...], ...]]
 ) -> tuple[Register, tuple[Show, ...]]:
-    """The register with an order that is no older than a minute, and made since the last train overdue asked; and what
-    the journal is told where there is none.
+    """The register with an order of this minute, made since who was overdue asked; and what the journal is told.
 
     `begins`: first moves of the orders than which it may not be worse.
     """
     last = register.solved
-    if (
-        last is not None
-        and register.now_s < last.made_s + ASKED_EVERY_S
-        and not _has_news(register, days, stands, last)
-    ):
+    young = last is not None and register.now_s < last.made_s + ASKED_EVERY_S
+    if last is not None and young and not _has_news(register, days, stands, last):
         return register, ()
     question = replace(question_of(register, days, stands), begins=begins())
     answer = register.plan.solver(question)

@@ -176,7 +176,5 @@ def _add(patched: Patched, table: str, row: Data, key: str) -> None:
     rows = owners[name].setdefault(table, []) if owners else None
     if is_list(rows):
         patched.append(rows, row, key)
-        if all(
-            is_table(one) and isinstance(one.get("from_km"), float | int) for one in rows
-        ):  # else it is refused
+        if all(is_table(one) and isinstance(one.get("from_km"), float | int) for one in rows):
             rows.sort(key=itemgetter("from_km"))

@@ -174,10 +174,9 @@ def comes_back(unit: UnitRow, rolled_mps: float, speed_mps: float, step_s: float
     unit.turns_s += step_s
     if unit.turns_s < ROLLS_S:
         return True
-    gains = unit.notch <= 0.0 and speed_mps - unit.turned_mps > DESCENT_MPS2 * ROLLS_S
-    if gains:
+    if unit.notch <= 0.0 and speed_mps - unit.turned_mps > DESCENT_MPS2 * ROLLS_S:
         unit.turns_s = 0.0
-    return bool(gains)
+    return bool(unit.turns_s == 0.0)
 
 
 @compiled

@@ -306,8 +306,7 @@ class Charging:
                 yield slot
 
     def look(self, step: int) -> list[int]:
-        """Write down how batteries are: now and then, and where a pantograph has gone up or down, or a generator has
-        come or gone.
+        """Write down how batteries are: now and then, and where a pantograph or a generator has come or gone.
 
         Returns the sets whose pantograph has come down.
         """

@@ -58,6 +58,19 @@ def parties(tmp_path: Path) -> Iterator[ZenohParties]:
         yield found
 
 
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Secrets]:
+    """The secrets of all boots, those of the block manager first, as they are drawn."""
+    found: list[Secrets] = []
+
+    def noted(keys: KeyRing) -> Secrets:
+        found.append(new_secrets(keys))
+        return found[-1]
+
+    monkeypatch.setattr(host.over_zenoh, "new_secrets", noted)
+    return found
+
+
 def stranger(parties: ZenohParties) -> zenoh.Session:
     """A session of the same user that knows where the socket is."""
     return zenoh.open(zenoh.Config.from_json5(session_json5("connect", parties.endpoint, "abc")))
@@ -133,22 +146,14 @@ def test_a_foreign_reply_ends_the_run(
 
 
 def test_a_process_of_an_earlier_boot_that_is_still_there_ends_the_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, drawn: list[Secrets]
 ) -> None:
     """Two block managers at once: that of before was stopped as its successor began, and goes on."""
-    given: list[Secrets] = []
-
-    def drawn(keys: KeyRing) -> Secrets:
-        own = new_secrets(keys)
-        given.extend([own] if keys.owner == MANAGER_ID else [])
-        return own
-
-    monkeypatch.setattr(host.over_zenoh, "new_secrets", drawn)
     spec = next(spec for spec in device_specs(MANAGER, [TERMINAL], MASTER) if spec.party_id == MANAGER_ID)
     with zenoh_parties(tmp_path) as parties:
         parties.kill(MANAGER_ID)
         parties.restart(MANAGER_ID)
-        before = PartyProcess(spec, given[0], tmp_path / MANAGER_ID, parties.endpoint)
+        before = PartyProcess(spec, drawn[0], tmp_path / MANAGER_ID, parties.endpoint)
         try:
             with pytest.raises(ForeignError, match=f"{MANAGER_ID}: its code is not of this run"):
                 while "not our question" not in last_words(tmp_path / MANAGER_ID):
@@ -168,32 +173,28 @@ def test_only_its_owner_can_reach_the_socket(parties: ZenohParties, tmp_path: Pa
         assert stat.S_IMODE((tmp_path / party_id).stat().st_mode) == 0o700
 
 
-def test_secrets_stand_in_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_secrets_stand_in_no_file(
+    tmp_path: Path, drawn: list[Secrets], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """At no moment, so that whoever is killed leaves none: not when a process begins, and not once it runs."""
-    given: list[bytes] = []
     found: list[Path] = []
 
     def look() -> None:
         files = [path for path in tmp_path.rglob("*") if path.is_file()]
+        given = [base64.b64encode(own.plane_key) for own in drawn]
         found.extend(path for path in files if any(secret in path.read_bytes() for secret in given))
-
-    def drawn(keys: KeyRing) -> Secrets:
-        own = new_secrets(keys)
-        given.append(base64.b64encode(own.plane_key))
-        return own
 
     def started(own: Mapping[str, str], folder: Path) -> dict[str, str]:
         look()
         return environment(own, folder)
 
-    monkeypatch.setattr(host.over_zenoh, "new_secrets", drawn)
     monkeypatch.setattr(host.process, "environment", started)
     with zenoh_parties(tmp_path) as parties:
         look()
         parties.kill("t")
         parties.restart("t")
         look()
-    assert (len(given), found) == (3, [])
+    assert (len(drawn), found) == (3, [])
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(PartyError, match="ended with code 1"):
         zenoh_parties(tmp_path).__enter__()
@@ -208,19 +209,11 @@ def test_no_port_is_open_and_the_socket_goes_with_the_run(tmp_path: Path) -> Non
     assert not folder.exists()
 
 
-def test_every_boot_has_secrets_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[bytes] = []
-    tell = PartyProcess._tell
-
-    def noted(process: PartyProcess, line: bytes) -> None:
-        told.append(line)
-        tell(process, line)
-
-    monkeypatch.setattr(PartyProcess, "_tell", noted)
+def test_every_boot_has_secrets_of_its_own(tmp_path: Path, drawn: list[Secrets]) -> None:
     with zenoh_parties(tmp_path) as parties:
         parties.kill("t")
         parties.restart("t")
-    assert len(set(told)) == len(told) == 3
+    assert len({own.plane_key for own in drawn}) == len({own.session_id for own in drawn}) == len(drawn) == 3
 
 
 # trouble ----------------------------------------------------------------------------------------------------

@@ -355,8 +355,7 @@ def test_what_a_word_leaves_out_is_told(
     act: ActKind, sections: tuple[str, ...], unsaid: tuple[str, ...]
 ) -> None:
     """Of what its unit shows; of one without power, of what its train stands in."""
-    says = [Act(act, "K1", Trigger(at_s=at_s), "staff", sections) for at_s in (1.0, 2.0)]
-    world = World(*says)
+    world = World(*(Act(act, "K1", Trigger(at_s=at_s), "staff", sections) for at_s in (1.0, 2.0)))
     world.run_to(10)
     world.unpowered.add(0)
     world.under["K1"] = frozenset({"3"})

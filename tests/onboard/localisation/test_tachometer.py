@@ -118,17 +118,13 @@ def test_locked_wheels_let_the_bound_grow_with_time(
         locate(unit, train, 2.0, 0.0, STEP_S)
         assert true_m <= unit.position_m + unit.bound_ahead_m
     assert unit.bound_ahead_m >= from_mps**2 / (2.0 * slides_mps2)
-    for _ in range(
-        round(from_mps / SURE_BRAKE_MPS2 / STEP_S) + 100
-    ):  # the growth ends when the train surely stands
+    for _ in range(round(from_mps / SURE_BRAKE_MPS2 / STEP_S) + 100):  # until the train surely stands
         locate(unit, train, 2.0, 0.0, STEP_S)
     assert unit.bound_ahead_m == pytest.approx(ACCURACY_M + from_mps**2 / (2.0 * SURE_BRAKE_MPS2))
 
 
 @pytest.mark.parametrize("gains_mps2", [0.6, 1.4, 4.0])
-def test_locked_wheels_that_turn_again_show_the_speed_only_once_they_roll(
-    train: TrainRow, gains_mps2: float
-) -> None:
+def test_locked_wheels_show_the_speed_only_once_they_roll(train: TrainRow, gains_mps2: float) -> None:
     """Both axles were locked, so the protection says that they roll, as the rail brings them back."""
     unit, train = new_unit(growth=0.0), train.copy()
     train.wheel_slide_share_max = 1.0
