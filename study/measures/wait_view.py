@@ -260,21 +260,21 @@ def _route_held(view: StockView, _t_s: float, _event: notes.RouteHeld) -> None:
     view.commanded_s.clear()
 
 
-def _way_changed(view: StockView, _t_s: float, event: notes.WayChanged) -> None:
-    """What it asked for it asks for no more."""
+def _goes_by(view: StockView, change: Callable[..., Sequence[Duty]], *order: object) -> None:
+    """By its duties as an order changes them from its train on; what it asked for it asks for no more."""
     view.requests.pop(AwaitedRequest.ROUTE, None)
     if view.duty is not None:
         at = view.duties.index(view.duty)
-        view.duties = ordered_by(view.line, view.duties, at, event.route_id, event.instead, view.length_m)
+        view.duties = change(view.line, view.duties, at, *order, view.length_m)
         view.duty = view.duties[at]
+
+
+def _way_changed(view: StockView, _t_s: float, event: notes.WayChanged) -> None:
+    _goes_by(view, ordered_by, event.route_id, event.instead)
 
 
 def _ended_early(view: StockView, _t_s: float, event: notes.EndedEarly) -> None:
-    view.requests.pop(AwaitedRequest.ROUTE, None)
-    if view.duty is not None:
-        at = view.duties.index(view.duty)
-        view.duties = cut_at(view.line, view.duties, at, view.at, event.next_train, view.length_m)
-        view.duty = view.duties[at]
+    _goes_by(view, cut_at, view.at, event.next_train)
 
 
 def _refused(asked: AwaitedRequest) -> Callable[[StockView, float, Any], None]:
