@@ -55,14 +55,13 @@ def test_it_names_those_parts_alone_that_a_state_has(certificate: Certificate) -
         states = states >> bits
 
 
-@pytest.mark.parametrize("trains", [2, 3])
-def test_it_finds_by_halves_as_many_successors_as_the_search(trains: int) -> None:
-    parties = ExploredParties(ExploredLine(trains=trains, budgets=Budgets(loss=1)))
+@pytest.mark.parametrize(("trains", "budgets"), [(2, Budgets(1)), (3, Budgets(1)), (1, Budgets(0, 1, 0, 1))])
+def test_it_finds_by_halves_as_many_successors_as_the_search(trains: int, budgets: Budgets) -> None:
+    parties = ExploredParties(ExploredLine(trains=trains, budgets=budgets))
     expansion = Expansion(parties)
     keys = search(expansion, 3_000, lambda _: None, expansion.broken).states
-    source, _, _ = expansion.following(keys)
-    lefts = expansion.lefts.things
-    grounds = [(key[:-1], lefts[key[-1]]) for key in expansion.ground_keys.things]
+    source, _, trouble = expansion.following(keys)
+    grounds = [(key[:-1], expansion.lefts.things[key[-1]]) for key in expansion.ground_keys.things]
     halves = Halves(parties, grounds, [cells.named() for cells in expansion.cells])
     parts, numbers = list[NDArray[np.int64]](), keys.astype(np.int64)
     for bits in reversed(expansion.bits):
@@ -70,7 +69,8 @@ def test_it_finds_by_halves_as_many_successors_as_the_search(trains: int) -> Non
         numbers = numbers >> bits
     *cells, ground = parts
     found = list(halves.following(ground, cells[::-1]))
-    assert np.array_equal(np.sort(np.concatenate([f.source for f in found])), np.sort(source))
+    of_search, of_halves = source << 3 | trouble, np.concatenate([f.source << 3 | f.trouble for f in found])
+    assert np.array_equal(np.sort(of_halves), np.sort(of_search))
     for known, cells in zip(halves.cells, expansion.cells, strict=True):
         assert set(cells.named()) <= set(known) <= set(cells.keys.things)
 
