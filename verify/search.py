@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from verify.tables import Numbers
 
 Keys = NDArray[np.uint64]
+_INDEX_BITS: Final = np.uint64(32)
+_INDEX: Final = np.uint64((1 << 32) - 1)
 AT_ONCE: Final = 200_000  # states expanded at once: what a table of successors of them takes
 
 
@@ -135,24 +137,26 @@ def among(run: Keys, keys: Keys) -> NDArray[np.bool_]:
     return there
 
 
-def ranks(expansion: Explorable, states: Keys) -> Numbers:
+def ranks(expansion: Explorable, states: Keys, generated: int) -> Numbers:
     """By state: how many steps without trouble are enough for all trains to finish; -1: no number is."""
-    sources, targets = list[NDArray[np.uint32]](), list[NDArray[np.uint32]]()
+    edges, filled = np.empty(generated, np.uint64), 0  # to and from where, as one number: they sort in place
     for first in range(0, len(states), AT_ONCE):
         source, after, trouble = expansion.following(states[first : first + AT_ONCE])
         helpful = trouble == 0
-        sources.append((source[helpful] + first).astype(np.uint32))
-        targets.append(np.searchsorted(states, after[helpful]).astype(np.uint32))
-    source, target = np.concatenate(sources), np.concatenate(targets)
-    order = np.argsort(target, kind="stable")
-    source, bounds = source[order], np.searchsorted(target[order], np.arange(len(states) + 1))
+        target = np.searchsorted(states, after[helpful]).astype(np.uint64)
+        source = (source[helpful] + first).astype(np.uint64)
+        edges[filled : filled + len(target)] = target << _INDEX_BITS | source
+        filled += len(target)
+    edges = edges[:filled]
+    edges.sort()
+    bounds = np.searchsorted(edges, np.arange(len(states) + 1, dtype=np.uint64) << _INDEX_BITS)
     rank = np.full(len(states), -1, np.int64)
     here, depth = np.flatnonzero(expansion.finished(states)), 0
     while len(here):
         rank[here] = depth
         count = bounds[here + 1] - bounds[here]
         at = np.repeat(bounds[here] - np.cumsum(count) + count, count) + np.arange(int(count.sum()))
-        before = np.unique(source[at]).astype(np.int64)
+        before = np.unique(edges[at] & _INDEX).astype(np.int64)
         here, depth = before[rank[before] < 0], depth + 1
     return rank
 
@@ -182,7 +186,7 @@ def judged_space(
         return JudgedSpace(space, wrong=int(space.broken[0]))
     if not space.complete:
         return JudgedSpace(space)
-    rank = ranks(expansion, space.states)
+    rank = ranks(expansion, space.states, space.generated)
     dead = space.states[rank < 0]
     if not len(dead):
         return JudgedSpace(space, rank)
