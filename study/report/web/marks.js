@@ -209,14 +209,24 @@ export function drawStrip(context, day, view, scale, plot, options) {
   context.fillText(cut, plot.left + 2, top + (rows.length + 0.5) * ROW_PX);
 }
 
-/** What a row is about, beside its mark: to the right of it, or to the left where there is more room. */
+const LEAST_TEXT_PX = 60;
+
+/** What a row is about: right of its mark, or left where there is more room, or on a bar that is as wide as the graph. */
 function drawText(context, mark, scale, y, plot, end, words) {
   const inside = (x) => Math.min(Math.max(x, plot.left), plot.left + plot.width);
   const places = [mark.from ?? end, mark.at ?? mark.to ?? end].map((t) => inside(scale.x(t)));
   const [first, last] = [Math.min(...places) - 8, Math.max(...places) + 8];
   const [left, right] = [first - plot.left - 4, plot.left + plot.width - last - 4];
+  const room = Math.max(left, right);
+  if (room < LEAST_TEXT_PX) {
+    const text = fitted(context, words.said(mark.text), plot.width - 32);
+    context.textAlign = "left";
+    context.clearRect(plot.left + 12, y - 7, context.measureText(text).width + 8, 14);
+    context.fillText(text, plot.left + 16, y);
+    return;
+  }
   context.textAlign = right >= left ? "left" : "right";
-  context.fillText(fitted(context, words.said(mark.text), Math.max(left, right)), right >= left ? last : first, y);
+  context.fillText(fitted(context, words.said(mark.text), room), right >= left ? last : first, y);
 }
 
 function stretch(context, mark, scale, y, end) {

@@ -278,6 +278,16 @@ test("a drill with more marks than rows says how many of them are shown", async 
   assert.equal(stripHeight(marked(0), {}), 0);
 });
 
+test("what a row is about is read also where its bar is as wide as the graph", async () => {
+  const { drawStrip } = await from("marks.js");
+  const { context, texts } = writtenOn();
+  const mark = { kind: "E", label: "E4", text: ["nothing collides", "衝突しない"], from: 0, to: null, at: null, units: [], stretches: [], passed: true };
+  const day = { ...dayOf(example()), window: [0, 900], marks: [mark] };
+  drawStrip(context, day, null, { x: (t) => t }, { left: 100, top: 0, width: 500, height: 300 }, { words: wordsIn("en") });
+  const { x } = texts.find(({ text }) => text === "nothing collides");
+  assert.ok(x >= 100 && x + 6 * "nothing collides".length <= 600);
+});
+
 /** A canvas on which a character is 6 px wide; what is written on it, with the turn and the place. */
 function writtenOn() {
   const texts = [];
