@@ -79,7 +79,8 @@ def missing_said(result: RunResult) -> tuple[Phrase, ...]:
     planned = (*result.trains_planned, *result.empty_planned)
     came = (*result.trains_arrived, *result.empty_arrived, *result.cut)
     missing = [number for number in planned if number not in came]
-    sentences = [words.MISSING.fill(count=len(missing), trains=", ".join(missing))] if missing else []
+    said = words.ONE_MISSING if len(missing) == 1 else words.MISSING
+    sentences = [said.fill(count=len(missing), trains=", ".join(missing))] if missing else []
     sentences += [words.NOT_HOME.fill(unit=stock_id) for stock_id in result.unfinished]
     if result.ended_because is not Ending.FINISHED:
         sentences.append(words.CUT_SHORT.fill(why=words.ending_text(result.ended_because.value)))

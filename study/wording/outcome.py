@@ -10,6 +10,7 @@ from study.wording.catalogue import phrase, phrase_or_name
 from study.wording.phrase import Phrase
 
 MISSING: Final = phrase("{count} trains did not arrive: {trains}")
+ONE_MISSING: Final = phrase("{count} train did not arrive: {trains}")
 NOT_HOME: Final = phrase("{unit} has not left the line and does not stand where its last duty ends")
 ON_ITS_WAY: Final = phrase("{train} ({unit}) was on its way in {place}")
 STANDS: Final = phrase("{train} ({unit}) stands in {place} and waits for {what}")

@@ -150,7 +150,7 @@ def test_nobody_waits_for_ever_for_a_train_that_cannot_leave(tmp_path: Path) -> 
     b_s = waited.left_s("B")
     assert b_s is not None and 0.0 <= b_s - (DUE_S["B"] + 300.0) < 30.0
     assert waited.changed == ["order changed: B has waited 5 min for A, the most it may"]
-    assert unfinished(waited.run.result)[0] == "1 trains did not arrive: A"
+    assert unfinished(waited.run.result)[0] == "1 train did not arrive: A"
 
 
 # A goes on, C comes after it; B asked, saw A go before it, and is not heard when A has come.

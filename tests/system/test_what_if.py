@@ -64,7 +64,7 @@ def test_a_run_that_cannot_be_in_time_stops_at_its_limit(main: Callable[..., Any
     assert figures["ended_because"] == "the time limit of the run"
     # 10 minutes of opening before 10:00:00, and 1 s after the last planned time
     assert figures["simulated_s"] == pytest.approx(631.0)
-    assert figures["broken"][0] == "1 trains did not arrive: T1"
+    assert figures["broken"][0] == "1 train did not arrive: T1"
     assert any(t.startswith("T1 (K1) was on its way in section 6 at km 0.") for t in figures["broken"])
 
 

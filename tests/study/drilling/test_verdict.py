@@ -172,7 +172,7 @@ def test_what_is_outside_the_design_is_said_with_the_verdict_and_does_not_fail_i
 def test_every_train_must_arrive_empty_ones_too() -> None:
     all_arrive = Expectation("t", holds=Property.EVERYONE_ARRIVES)
     assert verdict(all_arrive)[0]
-    assert verdict(all_arrive, result_of(empty_planned=("E2",))) == (False, "1 trains did not arrive: E2")
+    assert verdict(all_arrive, result_of(empty_planned=("E2",))) == (False, "1 train did not arrive: E2")
 
 
 def test_who_should_have_left_must_have_left_and_the_run_must_have_reached_its_end() -> None:
@@ -227,4 +227,4 @@ def test_of_trains_cut_by_order_it_is_not_said_that_all_arrived() -> None:
     stuck = result_of(
         trains_arrived=(), **cut
     )  # T2 begins at B, as it was told to, and never comes to its end
-    assert verdict(everyone, stuck) == (False, "1 trains did not arrive: T2")
+    assert verdict(everyone, stuck) == (False, "1 train did not arrive: T2")

@@ -155,7 +155,7 @@ def test_a_train_that_did_not_arrive_is_told_once_with_what_it_waits_for() -> No
     ):
         waiting = [Waiting("K1", "T1", place, waits_for, stands)]
         broken = broken_by(result(arrived=(), waiting=waiting, violations=(late,)), setup)
-        assert broken == ("1 trains did not arrive: T1", f"T1 (K1) {end}")
+        assert broken == ("1 train did not arrive: T1", f"T1 (K1) {end}")
 
 
 def test_impossible_meets_are_told_when_trains_are_missing() -> None:
