@@ -140,18 +140,19 @@ def among(run: Keys, keys: Keys) -> NDArray[np.bool_]:
 def ranks(expansion: Explorable, states: Keys, generated: int) -> Numbers:
     """By state: how many steps without trouble are enough for all trains to finish; -1: no number is."""
     edges, filled = np.empty(generated, np.uint64), 0  # to and from where, as one number: they sort in place
-    for first in range(0, len(states), AT_ONCE):
-        source, after, trouble = expansion.following(states[first : first + AT_ONCE])
+    for number, part in enumerate(parts(states)):
+        source, after, trouble = expansion.following(part)
         helpful = trouble == 0
         target = np.searchsorted(states, after[helpful]).astype(np.uint64)
-        source = (source[helpful] + first).astype(np.uint64)
+        source = (source[helpful] + number * AT_ONCE).astype(np.uint64)
         edges[filled : filled + len(target)] = target << _INDEX_BITS | source
         filled += len(target)
     edges = edges[:filled]
     edges.sort()
     bounds = np.searchsorted(edges, np.arange(len(states) + 1, dtype=np.uint64) << _INDEX_BITS)
     rank = np.full(len(states), -1, np.int64)
-    here, depth = np.flatnonzero(expansion.finished(states)), 0
+    done = np.concatenate([expansion.finished(part) for part in parts(states)])
+    here, depth = np.flatnonzero(done), 0
     while len(here):
         rank[here] = depth
         count = bounds[here + 1] - bounds[here]
