@@ -247,8 +247,8 @@ HAZARDS: Final = (
     ),
 )
 NOT_SHOWN: Final = (
-    "That two trains and four sections stand for any number: it is argued, and three trains are explored with one"
-    " trouble at a time.",
+    "That two trains and four sections stand for any number: it is argued, and three trains are explored with a lost"
+    " telegram and a power cut.",
     "Metres: that brakes guarantee what they are said to, that tags lie where the file has them, that rear and front"
     " are where lengths say. These are assumptions of every claim above.",
     "That a train can be braked on less adhesion than the design's: supervision knows of it then, and brakes, and it"
