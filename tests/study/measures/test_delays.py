@@ -234,6 +234,8 @@ def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None
     assert (figures.primary_delays, figures.recovered) == (1, False)
     assert figures.recovery_mean_s == figures.primary_s == 5900.0 - 1200.0
     assert day_figures(result(ON_TIME), setup).recovery_mean_s is None  # and none that took no time
+    set_out = delays_of(result(ON_TIME[:4]), setup)  # to plan, and it never came
+    assert split(set_out) == [("2", "A", 5900.0 - 2300.0, 0.0, 0.0)]
 
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:
