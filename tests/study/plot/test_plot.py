@@ -208,6 +208,34 @@ def test_a_text_of_a_picture_is_said_in_japanese_and_a_name_is_not() -> None:
     ]
 
 
+def test_pictures_of_energy_and_margins_have_the_heights_of_their_tables(read: RunRead) -> None:
+    """Bars against sums and means of the tables, dots left of a hop's middle as planned and right of it as run."""
+    more = [read.tables.energy_legs.with_columns(pl.col("net_kwh") * times) for times in (1.0, 2.0, 6.0)]
+    tables = replace(read.tables, energy_legs=pl.concat(more))  # so that no mean is a median
+    run = chosen_run(replace(read, tables=tables), Choice())
+    with drawing():
+        hours, legs, margins = (
+            figure_of(run, kind_of(name)).axes for name in ("energy-hour", "energy-leg", "margins")
+        )
+    tall = {bars.get_label(): sum(bar.get_height() for bar in bars) for bars in hours[0].containers}
+    whole, stands = tables.energy_hours, ~pl.col("phase").is_in(["running"])
+    assert tall == pytest.approx(
+        {
+            "traction": whole["traction_kwh"].sum(),
+            "auxiliary, running": whole.filter(~stands)["auxiliary_kwh"].sum(),
+            "auxiliary, standing": whole.filter(stands)["auxiliary_kwh"].sum(),
+            "regenerated": -whole["regenerated_kwh"].sum(),
+        }
+    )
+    means = tables.energy_legs.group_by("from_station", "to_station").agg(pl.col("net_kwh").mean())
+    bars = [bar.get_height() for axes in legs for part in axes.containers for bar in part]
+    assert sorted(bars) == pytest.approx(sorted(means["net_kwh"]))
+    dots = [at for axes in margins for line in axes.lines[:-1] for at in zip(*line.get_data(), strict=True)]
+    for name, side in (("margin_s", -1), ("left_s", 1)):
+        drawn = [y for x, y in dots if side * (x - round(x)) > 0.0]
+        assert sorted(drawn) == pytest.approx(sorted(tables.margins[name].drop_nulls()))
+
+
 def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
     if read.settings.id != "karasuyama_round_trip":
         return
@@ -379,11 +407,12 @@ def test_punctuality_says_what_its_marks_are_where_no_train_has_arrived(
     late_s: float | None, told: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Departures alone, at a station whose name would lie over its neighbours'; without any, that none is there."""
-    figures = dict.fromkeys(("mean_s", "sigma_s", "p95_s", "worst_s"), late_s)
+    names = ("sigma_s", "mean_s", "p95_s", "worst_s")
+    figures = {name: None if late_s is None else (k + 1) * late_s for k, name in enumerate(names)}
     row = {
         "station": "A",
         "what": "departure",
-        "on_time_share": 0.0,
+        "on_time_share": 0.25,
         "worst_train": "T1",
         "whole_minutes": False,
     }
@@ -396,6 +425,12 @@ def test_punctuality_says_what_its_marks_are_where_no_train_has_arrived(
     share, late = figure.axes
     legend = late.get_legend()
     assert {text.get_text() for text in (legend.get_texts() if legend else ())} == told
+    assert [bar.get_height() for bar in share.patches] == [25.0]  # percent
+    at = {line.get_label(): line.get_ydata()[0] for line in late.lines if not line.get_label().startswith("_")}
+    assert at == ({"95th percentile": 270.0, "worst": 360.0} if told else {})
+    assert [(e.get_label(), e.lines[0].get_ydata()[0]) for e in late.containers] == [("mean ± σ", 180.0)] * (
+        len(told) > 0
+    )
     assert [text.get_text() for text in late.texts if text.get_text() == stations.NOBODY] == (
         [] if told else [stations.NOBODY]
     )
