@@ -173,12 +173,9 @@ def test_how_late_trains_are_that_never_arrive_nobody_knows() -> None:
 def test_an_empty_train_that_never_came_is_not_the_latest(cancelled: bool) -> None:
     """Train 1 was 40 s late at C, for which empty train X set out as well, or was left out by the dispatcher."""
     lost = pl.col("train") == "X"
-    stops = small_stops().filter(pl.col("train") != "3")
-    stops = stops.with_columns(
-        *(pl.when(~lost).then(pl.col(name)).alias(name) for name in ("arrival_s", "late_arrival_s")),
-        cancelled=lost & cancelled,
-    )
-    plan = replace(timetable(), trains={n: t for n, t in timetable().trains.items() if n != "3"})
+    came = (pl.when(~lost).then(pl.col(name)).alias(name) for name in ("arrival_s", "late_arrival_s"))
+    stops = small_stops().filter(pl.col("train") != "3").with_columns(*came, cancelled=lost & cancelled)
+    plan = replace(timetable(), trains={number: timetable().trains[number] for number in "1X"})
     summary = summarise(RunTables(**{**empty(), "stops": stops}), plan)
     assert (summary["trains_planned"], summary["trains_arrived"]) == (1, 1)
     assert summary["late_at"] == {"train": "1", "station": "C", "what": "arrival", "late_s": 40.0}
