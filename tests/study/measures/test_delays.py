@@ -111,6 +111,7 @@ def test_doors_are_primary_waiting_for_another_is_secondary_and_the_rest_is_driv
         (1320.0, MANAGER, Granted(unit_id="K1", section_ids=("s",), token=1, route_id="r")),
     ]
     assert split(delays_of(result(stops, entries), setup)) == [("1", "B", 30.0, 60.0, 10.0)]
+    assert day_figures(result(stops, entries), setup).primary_delays == 0  # of a minute and more
     assert split(delays_of(result(stops, entries[:1]), setup)) == [("1", "B", 30.0, 0.0, 70.0)]
     assert split(delays_of(result(stops), setup)) == [("1", "B", 0.0, 0.0, 100.0)]
 

@@ -25,6 +25,7 @@ from study.record.read_back import RunRead, read_run
 from study.record.tables import ROWS, RunTables
 from study.record.wait import Cause
 from study.report.drawn import DPI, Format
+from study.report.energy import energy_tables
 from study.report.style import drawing
 from study.runner.run import write_run
 from study.wording.catalogue import phrases_of
@@ -225,6 +226,10 @@ def test_pictures_of_energy_and_margins_have_the_heights_of_their_tables(read: R
     means = tables.energy_legs.group_by("from_station", "to_station").agg(pl.col("net_kwh").mean())
     bars = [bar.get_height() for axes in legs for part in axes.containers for bar in part]
     assert sorted(bars) == pytest.approx(sorted(means["net_kwh"]))
+    shown = {
+        table.id: {c.label: c.values for c in table.columns} for table in energy_tables(run, read.summary)
+    }
+    assert sorted(shown["energy_parts_by_leg"]["net_kwh"]) == pytest.approx(sorted(means["net_kwh"]))
     dots = [at for axes in margins for line in axes.lines[:-1] for at in zip(*line.get_data(), strict=True)]
     for name, side in (("margin_s", -1), ("left_s", 1)):
         drawn = [y for x, y in dots if side * (x - round(x)) > 0.0]

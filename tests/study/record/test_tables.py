@@ -177,7 +177,6 @@ def test_an_empty_train_that_never_came_is_not_the_latest(cancelled: bool) -> No
     stops = small_stops().filter(pl.col("train") != "3").with_columns(*came, cancelled=lost & cancelled)
     plan = replace(timetable(), trains={number: timetable().trains[number] for number in "1X"})
     summary = summarise(RunTables(**{**empty(), "stops": stops}), plan)
-    assert (summary["trains_planned"], summary["trains_arrived"]) == (1, 1)
     assert summary["late_at"] == {"train": "1", "station": "C", "what": "arrival", "late_s": 40.0}
 
 

@@ -213,8 +213,10 @@ def test_energy_per_km_is_net_over_distance(weekday: ReportedRun) -> None:
             **{name: [0.0, 0.0] for name in PARTS},
         },
     )  # fmt: skip
-    run = with_table(weekday, energy=energy)
-    shown = table_in(payload_of(run, summarise(run.tables, run.timetable), PageContents()), "energy_trains")
+    run = with_table(weekday, energy=energy, layovers=weekday.tables.layovers.clear())
+    payload = payload_of(run, summarise(run.tables, run.timetable), PageContents())
+    assert table_in(payload, "energy_parts")["percent_of_net"][0] == round(100.0 * 10.0 / 46.0, 1)
+    shown = table_in(payload, "energy_trains")
     assert shown["net_per_km"] == [2.25, None]  # (50 + 9 - 14) / 20
     assert shown["revenue"] == ["yes", "no"]
     with drawing():
