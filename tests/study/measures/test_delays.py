@@ -101,16 +101,17 @@ def test_a_day_to_plan_has_no_delays(setup: Setup) -> None:
     assert late_stretches(ON_TIME, setup.timetable) == ()
 
 
-def test_doors_are_primary_waiting_for_another_is_secondary_and_the_rest_is_driving(setup: Setup) -> None:
-    """From B 100 s late: 30 s of passengers, 60 s refused for K2 after that, 10 s nobody knows of."""
+@pytest.mark.parametrize(("until_s", "waited_s"), [(1260.0, 60.0), (1240.0, 70.0)])
+def test_doors_are_primary_and_waiting_secondary(setup: Setup, until_s: float, waited_s: float) -> None:
+    """From B 100 s late: 30 s of passengers, refused for K2 after that (no more than is left), then nobody knows."""
     stops = [ON_TIME[0], stop("1", "B", (1200.0, 1230.0), (1190.0, 1330.0)), ON_TIME[2], *ON_TIME[3:]]
-    held = DoorsHeld(unit_id="K1", train="1", station="B", until_s=1260.0, people_s=30.0, doors_s=0.0)
+    held = DoorsHeld(unit_id="K1", train="1", station="B", until_s=until_s, people_s=30.0, doors_s=0.0)
     entries = [
         (1228.0, WORLD, held),
         (1200.0, MANAGER, Refused(unit_id="K1", other_id="K2", why="HELD")),
         (1320.0, MANAGER, Granted(unit_id="K1", section_ids=("s",), token=1, route_id="r")),
     ]
-    assert split(delays_of(result(stops, entries), setup)) == [("1", "B", 30.0, 60.0, 10.0)]
+    assert split(delays_of(result(stops, entries), setup)) == [("1", "B", 30.0, waited_s, 70.0 - waited_s)]
     assert day_figures(result(stops, entries), setup).primary_delays == 0  # of a minute and more
     assert split(delays_of(result(stops, entries[:1]), setup)) == [("1", "B", 30.0, 0.0, 70.0)]
     assert split(delays_of(result(stops), setup)) == [("1", "B", 0.0, 0.0, 100.0)]

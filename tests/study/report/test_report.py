@@ -223,10 +223,8 @@ def test_a_run_in_which_nothing_happened_is_reported(tmp_path: Path, weekday: Re
 
 def test_same_run_gives_the_same_page(tmp_path: Path, make_day: Callable[[str, str], ReportedRun]) -> None:
     day = make_day("rtri_test_line", "rtri_test_line")
-    first, second = (
-        write_report(tmp_path / name, day.line, day.timetable, day.tables, FACTS).read_bytes()
-        for name in "ab"
-    )
+    given = day.line, day.timetable, day.tables, FACTS
+    first, second = (write_report(tmp_path / name, *given).read_bytes() for name in "ab")
     assert first == second
 
 
