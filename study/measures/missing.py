@@ -48,8 +48,7 @@ def planned_times(
     last time came. What was planned for later than that is not missing. `revenue_only`: of what never came, that of
     trains with passengers alone.
     """
-    missing = missing_calls(stops, timetable)
-    calls = pl.concat([stops, missing.filter("revenue") if revenue_only else missing])
+    calls = pl.concat([stops, missing_calls(stops, timetable)])
     times = pl.concat(
         calls.filter(pl.col(f"planned_{what}_s").is_not_null()).select(
             "train",
@@ -59,6 +58,7 @@ def planned_times(
             pl.col(f"planned_{what}_s").alias("planned_s"),
             pl.col(f"late_{what}_s").alias("late_s"),
             (pl.col(f"late_{what}_s").is_not_null() & ~pl.col("cancelled")).alias("came"),
+            (pl.col("revenue") | (not revenue_only)).alias("counts"),
         )
         for what in ("arrival", "departure")
     )
@@ -77,6 +77,6 @@ def planned_times(
         latest_s = times.select((pl.col("planned_s") + pl.col("late_s")).max()).item()
         end_s = max(latest_end_s(timetable) if timetable.trains else 0.0, latest_s or 0.0)
     due = times.filter(
-        pl.col("came") | (pl.col("planned_s") <= end_s)
+        pl.col("came") | (pl.col("counts") & (pl.col("planned_s") <= end_s))
     )  # what is cancelled has its stated lateness
-    return due.with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))
+    return due.drop("counts").with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))

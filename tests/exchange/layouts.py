@@ -178,7 +178,7 @@ OSM = "\n".join(
         osm_node(3, 700, 0, railway="milestone", railway__position="0,7"),
         osm_node(4, 1000, 0, railway="switch", ref="P1"),
         osm_node(5, 1200, 0, railway="stop", name="Birch", local_ref="1"),
-        osm_node(6, 1400, 0, railway="switch", ref="P2"),
+        osm_node(6, 1400, 0, railway="switch", ref="P2", railway__position="7.7"),
         osm_node(7, 1900, 0, railway="halt", name="Cedar"),
         osm_node(8, 2000, 0, railway="buffer_stop"),
         osm_node(9, 1050, -4),

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import shutil
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -326,8 +327,10 @@ def again(
 @pytest.mark.parametrize("name", shipped_names("timetables"))
 def test_a_shipped_timetable_comes_back_as_it_was(tmp_path: Path, name: str) -> None:
     timetable, line_name = shipped(name)
-    back, _, why = again(tmp_path, timetable, line_name)
+    back, published, why = again(tmp_path, timetable, line_name)
     assert back == timetable, why
+    shutil.unpack_archive(tmp_path / f"{timetable.head.id}.zip", tmp_path / "folder")
+    assert replace(published, source="") == replace(read_gtfs(tmp_path / "folder").published, source="")
 
 
 def test_a_timetable_with_a_long_head_comes_back_as_it_was(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from plan.dispatching.instance import (
     read_solution,
 )
 from plan.dispatching.model import DispatchModel
-from plan.dispatching.solver import solve
+from plan.dispatching.solver import Answer, solve
 from tests.nightly import others_nightly
 
 WORK = 5.0
@@ -137,6 +137,7 @@ def test_a_late_start_costs_its_increment_once() -> None:
 def test_little_work_is_told_from_a_proof() -> None:
     answer = solve(MEETING, 1e-9)
     assert not answer.proven
+    assert not Answer(Solution(7, ()), 6, impossible=False, work=0.0).proven  # one from its bound
     assert not answer.impossible
 
 

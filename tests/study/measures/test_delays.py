@@ -101,16 +101,18 @@ def test_a_day_to_plan_has_no_delays(setup: Setup) -> None:
     assert late_stretches(ON_TIME, setup.timetable) == ()
 
 
-def test_doors_are_primary_waiting_for_another_is_secondary_and_the_rest_is_driving(setup: Setup) -> None:
-    """From B 100 s late: 30 s of passengers, 60 s refused for K2 after that, 10 s nobody knows of."""
+@pytest.mark.parametrize(("until_s", "waited_s"), [(1260.0, 60.0), (1240.0, 70.0)])
+def test_doors_are_primary_and_waiting_secondary(setup: Setup, until_s: float, waited_s: float) -> None:
+    """From B 100 s late: 30 s of passengers, refused for K2 after that (no more than is left), then nobody knows."""
     stops = [ON_TIME[0], stop("1", "B", (1200.0, 1230.0), (1190.0, 1330.0)), ON_TIME[2], *ON_TIME[3:]]
-    held = DoorsHeld(unit_id="K1", train="1", station="B", until_s=1260.0, people_s=30.0, doors_s=0.0)
+    held = DoorsHeld(unit_id="K1", train="1", station="B", until_s=until_s, people_s=30.0, doors_s=0.0)
     entries = [
         (1228.0, WORLD, held),
         (1200.0, MANAGER, Refused(unit_id="K1", other_id="K2", why="HELD")),
         (1320.0, MANAGER, Granted(unit_id="K1", section_ids=("s",), token=1, route_id="r")),
     ]
-    assert split(delays_of(result(stops, entries), setup)) == [("1", "B", 30.0, 60.0, 10.0)]
+    assert split(delays_of(result(stops, entries), setup)) == [("1", "B", 30.0, waited_s, 70.0 - waited_s)]
+    assert day_figures(result(stops, entries), setup).primary_delays == 0  # of a minute and more
     assert split(delays_of(result(stops, entries[:1]), setup)) == [("1", "B", 30.0, 0.0, 70.0)]
     assert split(delays_of(result(stops), setup)) == [("1", "B", 0.0, 0.0, 100.0)]
 
@@ -234,6 +236,8 @@ def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None
     assert (figures.primary_delays, figures.recovered) == (1, False)
     assert figures.recovery_mean_s == figures.primary_s == 5900.0 - 1200.0
     assert day_figures(result(ON_TIME), setup).recovery_mean_s is None  # and none that took no time
+    set_out = delays_of(result(ON_TIME[:4]), setup)  # to plan, and it never came
+    assert split(set_out) == [("2", "A", 5900.0 - 2300.0, 0.0, 0.0)]
 
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:

@@ -25,6 +25,7 @@ from study.record.read_back import RunRead, read_run
 from study.record.tables import ROWS, RunTables
 from study.record.wait import Cause
 from study.report.drawn import DPI, Format
+from study.report.energy import energy_tables
 from study.report.style import drawing
 from study.runner.run import write_run
 from study.wording.catalogue import phrases_of
@@ -208,6 +209,33 @@ def test_a_text_of_a_picture_is_said_in_japanese_and_a_name_is_not() -> None:
     ]
 
 
+def test_pictures_of_energy_and_margins_have_the_heights_of_their_tables(read: RunRead) -> None:
+    """Bars against sums and means of the tables, dots left of a hop's middle as planned and right of it as run."""
+    more = [read.tables.energy_legs.with_columns(pl.col("net_kwh") * times) for times in (1.0, 2.0, 6.0)]
+    tables = replace(read.tables, energy_legs=pl.concat(more))  # so that no mean is a median
+    run = chosen_run(replace(read, tables=tables), Choice())
+    kinds = map(kind_of, ("energy-hour", "energy-leg", "margins"))
+    with drawing():
+        hours, legs, margins = (figure_of(run, kind).axes for kind in kinds)
+    tall = [(bars.get_label(), sum(bar.get_height() for bar in bars)) for bars in hours[0].containers]
+    whole, runs = tables.energy_hours, pl.col("phase") == "running"
+    parts = [whole["traction_kwh"], *(whole.filter(which)["auxiliary_kwh"] for which in (runs, ~runs))]
+    sums = [*(part.sum() for part in parts), -whole["regenerated_kwh"].sum()]
+    names = ("traction", "auxiliary, running", "auxiliary, standing", "regenerated")
+    assert dict(tall) == pytest.approx(dict(zip(names, sums, strict=True)))
+    means = tables.energy_legs.group_by("from_station", "to_station").agg(pl.col("net_kwh").mean())
+    bars = [bar.get_height() for axes in legs for part in axes.containers for bar in part]
+    assert sorted(bars) == pytest.approx(sorted(means["net_kwh"]))
+    shown = {
+        table.id: {c.label: c.values for c in table.columns} for table in energy_tables(run, read.summary)
+    }
+    assert sorted(shown["energy_parts_by_leg"]["net_kwh"]) == pytest.approx(sorted(means["net_kwh"]))
+    dots = [at for axes in margins for line in axes.lines[:-1] for at in zip(*line.get_data(), strict=True)]
+    for name, side in (("margin_s", -1), ("left_s", 1)):
+        drawn = [y for x, y in dots if side * (x - round(x)) > 0.0]
+        assert sorted(drawn) == pytest.approx(sorted(tables.margins[name].drop_nulls()))
+
+
 def test_a_stretch_of_time_is_all_that_is_shown(read: RunRead) -> None:
     if read.settings.id != "karasuyama_round_trip":
         return
@@ -379,11 +407,12 @@ def test_punctuality_says_what_its_marks_are_where_no_train_has_arrived(
     late_s: float | None, told: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Departures alone, at a station whose name would lie over its neighbours'; without any, that none is there."""
-    figures = dict.fromkeys(("mean_s", "sigma_s", "p95_s", "worst_s"), late_s)
+    names = ("sigma_s", "mean_s", "p95_s", "worst_s")
+    figures = {name: None if late_s is None else (k + 1) * late_s for k, name in enumerate(names)}
     row = {
         "station": "A",
         "what": "departure",
-        "on_time_share": 0.0,
+        "on_time_share": 0.25,
         "worst_train": "T1",
         "whole_minutes": False,
     }
@@ -396,6 +425,10 @@ def test_punctuality_says_what_its_marks_are_where_no_train_has_arrived(
     share, late = figure.axes
     legend = late.get_legend()
     assert {text.get_text() for text in (legend.get_texts() if legend else ())} == told
+    assert [bar.get_height() for bar in share.patches] == [25.0]  # percent
+    at = {mark.get_label(): mark.get_ydata()[0] for mark in late.lines}
+    at |= {bars.get_label(): bars.lines[0].get_ydata()[0] for bars in late.containers}
+    assert [at[name] for name in sorted(told)] == [270.0, 180.0, 360.0][: len(told)]
     assert [text.get_text() for text in late.texts if text.get_text() == stations.NOBODY] == (
         [] if told else [stations.NOBODY]
     )

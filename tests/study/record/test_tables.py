@@ -169,6 +169,17 @@ def test_how_late_trains_are_that_never_arrive_nobody_knows() -> None:
     assert json.loads(json.dumps(summary))["late_at"] is None
 
 
+@pytest.mark.parametrize("cancelled", [False, True])
+def test_an_empty_train_that_never_came_is_not_the_latest(cancelled: bool) -> None:
+    """Train 1 was 40 s late at C, for which empty train X set out as well, or was left out by the dispatcher."""
+    lost = pl.col("train") == "X"
+    came = (pl.when(~lost).then(pl.col(name)).alias(name) for name in ("arrival_s", "late_arrival_s"))
+    stops = small_stops().filter(pl.col("train") != "3").with_columns(*came, cancelled=lost & cancelled)
+    plan = replace(timetable(), trains={number: timetable().trains[number] for number in "1X"})
+    summary = summarise(RunTables(**{**empty(), "stops": stops}), plan)
+    assert summary["late_at"] == {"train": "1", "station": "C", "what": "arrival", "late_s": 40.0}
+
+
 def test_round_trip_through_parquet(tmp_path: Path, weekday: ReportedRun) -> None:
     weekday.tables.write(tmp_path / "run")
     again = RunTables.read(tmp_path / "run")

@@ -1,9 +1,13 @@
 """Reading a report as its modules do."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from typing import Any
 
+import polars as pl
+
+from study.report.data import ReportedRun
 from study.report.packing import inflated
 
 VOID_TAGS = {"meta", "br", "link", "img", "input", "hr"}
@@ -40,6 +44,10 @@ class Page(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         self.text.append(data)
+
+
+def with_table(run: ReportedRun, **frames: pl.DataFrame) -> ReportedRun:
+    return replace(run, tables=replace(run.tables, **frames))
 
 
 def payload_of(page: str) -> dict[str, Any]:

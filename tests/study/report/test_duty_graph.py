@@ -80,6 +80,10 @@ def test_a_bar_for_each_train_and_the_empty_one_white() -> None:
     bars = [patch for patch in figure.axes[0].patches if isinstance(patch, Rectangle)]
     assert len(bars) == 28
     assert [patch.get_facecolor() for patch in bars].count((1.0, 1.0, 1.0, 1.0)) == 1
+    for label, duty in zip(figure.axes[0].get_yticklabels(), duties, strict=True):
+        km = sum(train.distance_m for train in duty.trains) / 1000.0
+        hours = (duty.trains[-1].ends_s - duty.trains[0].begins_s) / 3600.0
+        assert f" trains, {km:.1f} km\n{hours:.1f} h" in label.get_text()
     numbers = {text.get_text() for axes in figure.axes for text in axes.texts}
     assert {train.number for duty in duties for train in duty.trains} <= numbers
 
@@ -95,11 +99,6 @@ def test_rows_of_the_table() -> None:
     rows = duty_rows(duties)
     assert len(rows) == 28
     row = next(row for row in rows if row["train"] == "E346M")
-    assert (row["set"], row["order"], row["revenue"], row["before"], row["before_min"]) == (
-        "V3",
-        6,
-        False,
-        "turn",
-        10.0,
-    )
+    of = ("set", "order", "revenue", "before", "before_min")
+    assert [row[name] for name in of] == ["V3", 6, False, "turn", 10.0]
     assert (row["departure"], row["arrival"]) == ("22:15:00", "22:48:00")

@@ -11,9 +11,10 @@ import pytest
 from network.model import Direction
 from study.measures.summary import summarise
 from study.record.energy import PARTS
-from study.record.tables import ROWS, RunTables, make_table
+from study.record.tables import make_table
 from study.record.wait import Cause, Wait
 from study.report.beside import Beside
+from study.report.charts import draw_energy
 from study.report.courses import (
     FINEST_FIRST,
     Fineness,
@@ -26,13 +27,9 @@ from study.report.crossings import crossing_tables_shown
 from study.report.data import ReportedRun
 from study.report.packing import unpacked
 from study.report.payload import PageContents, courses_of, payload_of
+from study.report.style import drawing
 from tests.study.crossed_day import with_crossing
-from tests.study.report.page import table_in
-
-
-def with_table(run: ReportedRun, **frames: pl.DataFrame) -> ReportedRun:
-    tables = RunTables(**{**{name: getattr(run.tables, name) for name in ROWS}, **frames})
-    return ReportedRun(run.line, run.timetable, tables)
+from tests.study.report.page import table_in, with_table
 
 
 def read(column: Mapping[str, Any]) -> np.ndarray:
@@ -131,12 +128,7 @@ def test_a_train_that_broke_down_in_a_station_stands_there_for_as_long_as_it_wai
     came_s = stops["arrival_s"][-1]
     waits = [Wait(stops["unit"][0], "322M", came_s, came_s + 3600.0, Cause.UNIT_OFF, "OGN")]
     run = with_table(weekday, stops=stops, waits=make_table("waits", waits))
-    (table,) = (
-        t
-        for t in payload_of(run, summarise(run.tables, run.timetable), PageContents())["tables"]
-        if t["id"] == "occupation"
-    )
-    shown = {column["label"]: column["values"] for column in table["columns"]}
+    shown = table_in(payload_of(run, summarise(run.tables, run.timetable), PageContents()), "occupation")
     at = list(zip(shown["station"], shown["train"], strict=True)).index(("OGN", "322M"))
     assert shown["to_s"][at] - shown["from_s"][at] == pytest.approx(3600.0, abs=0.11)
 
@@ -151,8 +143,7 @@ def test_punctuality_of_a_part_of_a_day_counts_what_is_due(weekday: ReportedRun)
         if call.arrival_s is not None and call.arrival_s <= end_s
     ]
     facts = {**summarise(run.tables, run.timetable, end_s), "latest_end_s": end_s}
-    (table,) = (t for t in payload_of(run, facts, PageContents())["tables"] if t["id"] == "punctuality")
-    columns = {column["label"]: column["values"] for column in table["columns"]}
+    columns = table_in(payload_of(run, facts, PageContents()), "punctuality")
     row = list(zip(columns["station"], (what[0] for what in columns["what"]), strict=True)).index(
         ("", "arrivals")
     )
@@ -222,10 +213,22 @@ def test_energy_per_km_is_net_over_distance(weekday: ReportedRun) -> None:
             **{name: [0.0, 0.0] for name in PARTS},
         },
     )  # fmt: skip
-    run = with_table(weekday, energy=energy)
-    shown = table_in(payload_of(run, summarise(run.tables, run.timetable), PageContents()), "energy_trains")
+    run = with_table(weekday, energy=energy, layovers=weekday.tables.layovers.clear())
+    payload = payload_of(run, summarise(run.tables, run.timetable), PageContents())
+    assert table_in(payload, "energy_parts")["percent_of_net"][0] == round(100.0 * 10.0 / 46.0, 1)
+    shown = table_in(payload, "energy_trains")
     assert shown["net_per_km"] == [2.25, None]  # (50 + 9 - 14) / 20
     assert shown["revenue"] == ["yes", "no"]
+    with drawing():
+        (axes,) = draw_energy(run).axes  # type: ignore[union-attr]
+    assert [text.get_text() for text in axes.texts] == ["2.25", "–"]
+    assert sorted(bar.get_height() for bar in axes.patches if bar.get_height()) == [
+        -14.0,
+        1.0,
+        2.0,
+        7.0,
+        50.0,
+    ]
 
 
 def test_of_a_run_beside_only_what_moved_or_is_gone_is_drawn(weekday: ReportedRun) -> None:

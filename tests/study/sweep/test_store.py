@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 import study
 from network.errors import InputError
@@ -13,10 +14,12 @@ from study.sweep import cluster
 from study.sweep.digest import CODE
 from study.sweep.go import SweepProgress, sweep_begun
 from study.sweep.plan import load_plan
+from study.sweep.records import DayOutcome
 from study.sweep.report import write_sweep_report
 from study.sweep.store import NotSharedError, check_shared, opened_sweep
-from study.sweep.table import days_csv, summary_of
+from study.sweep.table import days_csv, effects, point_rows, summary_of
 from study.sweep.worker import Task, run_task
+from study.sweep.worth import worth_looking_at
 from tests.study.sweep.conftest import DRAW
 from tests.study.sweep.here import OneByOne, swept, table
 from tests.study.sweep.planted import control_of
@@ -189,9 +192,40 @@ def test_point_ends_where_the_rule_says_in_any_order(sweep_file: Path, out: Path
     width = one_by_one.estimate("mean_late_s").width
     assert width is not None
     assert width < 20.0
-    assert count in one_by_one.plan.looks
+    assert count in (looks := one_by_one.plan.looks)
+    assert one_by_one.plan.confidence == pytest.approx(1.0 - 0.05 / len(looks))
     fewer = swept(sweep_file, tmp_path / "fewer", days=count - 1)
     assert not fewer.stopped_early(first)
+
+
+SECOND = '\n[[axis]]\nname = "dwell"\nkey = "unit.dwell_min_s"\nvalues = [20.0, 30.0]\n'
+LATE_S = (10.0, 20.0, 60.0, 70.0, 11.0, 22.0, 63.0, 76.0, 15.0, 25.0, 65.0, 79.0, 18.0, 0.0, 66.0, 81.0)
+
+
+def test_a_sweep_says_what_its_days_are(sweep_file: Path, out: Path) -> None:
+    """Four points of four days, one of which crashed: it is in no mean, and its seed in no effect."""
+    sweep_file.write_text(sweep_file.read_text("utf-8") + SECOND, "utf-8")
+    state = swept(sweep_file, out, days=4)
+    for name, late_s in zip((name for course in state.courses for name in course.names), LATE_S, strict=True):
+        day, how = state.records[name], DayOutcome.GOOD if late_s else DayOutcome.CRASHED
+        changed = replace(day.figures, mean_late_s=late_s, within=(late_s / 100.0, 1.0, 1.0))
+        state.records[name] = replace(day, outcome=how, figures=changed if late_s else None)
+    rows = point_rows(state)
+    found = [row.figures["mean_late_s"] for row in rows]
+    assert [one.mean.value for one in found] == [40.0, 43.0, 46.0, 55.0]
+    assert [one.less_first.value for one in found] == pytest.approx([0.0, 3.0, 6.0, (8 + 6 + 11) / 3])
+    assert [row.outcomes[DayOutcome.CRASHED].value for row in rows] == [0.0, 0.0, 0.0, 0.25]
+    effect = [(one.less_first.days, one.less_first.value) for one in effects(state, "mean_late_s")]
+    assert effect == [(3, pytest.approx((6 + 4 + 7) / 3)), (3, pytest.approx((2 + 2 + 4) / 3))]
+    page = write_sweep_report(state, out).read_text("utf-8")
+    (table,) = (part for part in page.split("<table") if ">median<" in part)
+    of = dict(zip(*(re.findall(rf"<{tag}[^>]*>([^<]*)</", table) for tag in ("th", "td")), strict=False))
+    assert [of[name] for name in ("days", "mean", "5 %", "95 %")] == ["4", "40.0", "11.5", "68.5"]
+    for watched, worst in ("mean_late_s", 3), ("within_60_s", 0):
+        state.plan.table.watch[:] = [watched]
+        crashed, *shown = worth_looking_at(state, out)
+        late = [day.record.figures.mean_late_s for day in shown if day.record.figures]
+        assert (crashed.record.spec.seed, late[::2], late[-1]) == (2, list(LATE_S[worst::4]), 66.0)
 
 
 def test_day_that_sumo_carries_otherwise_fails_the_sweep(sweep_file: Path, out: Path) -> None:
