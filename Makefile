@@ -26,14 +26,19 @@ demo: install
 wheel: install
 	$(BIN)/python -m documents.wheel
 
-# The interpreted slice beside the others: alone at their end it would leave a core idle.
-TESTS := test-compiled test-interpreted
+# One from the first file on, one from the last back, until all are taken: each puts together and compiles what it runs.
+# The interpreted slice beside them: alone at their end it would leave a core idle.
+TESTS := test-forwards test-backwards test-interpreted
 .PHONY: $(TESTS)
 test: install
-	$(MAKE) --no-print-directory -j 2 $(TESTS)
+	taken=$$(mktemp -d) && $(MAKE) --no-print-directory -j 3 TAKE="-o console_output_style=classic --taken=$$taken" $(TESTS); \
+		status=$$?; rm -r $$taken; exit $$status
 
-test-compiled:
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+test-forwards:
+	$(BIN)/python -m pytest $(TAKE)
+
+test-backwards:
+	$(BIN)/python -m pytest --backwards -p no:cacheprovider $(TAKE)
 
 test-interpreted:
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -p no:cacheprovider $(LAWS_SLICE)

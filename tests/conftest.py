@@ -7,10 +7,10 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
-from importlib import import_module
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any, Final
 
@@ -37,17 +37,39 @@ settings.register_profile("many", settings.get_profile("few"), max_examples=300)
 settings.load_profile("few")
 
 TESTS: Final = Path(__file__).parent
+FROZEN: Final = {"modules": 0}
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--taken", type=Path, help="folder of marks: run each file that no process has taken")
+    parser.addoption("--backwards", action="store_true", help="take the last file first")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection(session: pytest.Session) -> None:
-    """Every second process imports all tests from the last to the first: it reads what the others have compiled."""
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
-    if session.config.args_source is not pytest.Config.ArgsSource.TESTPATHS or int(worker[2:]) % 2 == 0:
-        return
-    for file in sorted(TESTS.rglob("test_*.py"), reverse=True):
-        with suppress(Exception, pytest.skip.Exception):  # said where it is collected
-            import_module(".".join(file.relative_to(TESTS.parent).with_suffix("").parts))
+    if session.config.getoption("taken"):
+        session.config.args = []
+
+
+def taken_items(session: pytest.Session, marks: Path) -> Iterator[pytest.Item]:
+    """The tests of each file that no process has taken before this one."""
+    for file in sorted(TESTS.rglob("test_*.py"), reverse=session.config.getoption("backwards")):
+        with suppress(FileExistsError):
+            (marks / str(file.relative_to(TESTS)).replace(os.sep, ".")).touch(exist_ok=False)
+            yield from session.perform_collect([str(file)])
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> bool | None:
+    """Of several processes that share the files of tests, as `make test` has two, each puts together what it takes."""
+    if not (marks := session.config.getoption("taken")):
+        return None
+    for count, (item, following) in enumerate(pairwise(chain(taken_items(session, marks), (None,))), 1):
+        session.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+        session.testscollected = count
+        if session.shouldfail or session.shouldstop:
+            raise session.Interrupted(session.shouldfail or session.shouldstop)
+    return True
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -60,7 +82,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def pytest_collection_finish() -> None:
     """What was imported stays: the collector need not go through it after each day that a test runs."""
-    gc.freeze()
+    if len(sys.modules) > 1.1 * FROZEN["modules"]:
+        FROZEN["modules"] = len(sys.modules)
+        gc.freeze()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -40,7 +40,7 @@ def found_with(name: str, budgets: Budgets, *, collisions_alone: bool) -> Explor
 
 @pytest.mark.parametrize(
     ("name", "budgets", "collisions_alone", "breaks"),
-    others_nightly(FALLS_OUT, [STAYS, UNDETECTED], columns=True),
+    others_nightly(FALLS_OUT, [STAYS], columns=True),
 )
 def test_a_former_defect_falls_out_on_the_line_and_not_of_the_machines_as_they_are(
     name: str, budgets: Budgets, collisions_alone: bool, breaks: str, tmp_path: Path

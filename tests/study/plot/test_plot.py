@@ -91,13 +91,7 @@ IN_EVERY_RUN = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "form"),
-    [
-        pytest.param(name, form, marks=[] if (name, form) in IN_EVERY_RUN else pytest.mark.nightly)
-        for name, form in product(KINDS, Format)
-    ],
-)
+@pytest.mark.parametrize(("name", "form"), others_nightly(product(KINDS, Format), IN_EVERY_RUN, columns=True))
 def test_every_kind_is_written_the_same_each_time(
     read: RunRead, name: str, form: Format, tmp_path: Path
 ) -> None:
@@ -146,7 +140,7 @@ def test_legs_that_begin_or_end_together_stand_in_one_order(read: RunRead, name:
     changed = replace(read, tables=RunTables(**{n: getattr(read.tables, n) for n in ROWS} | {table: more}))
     legs = ["\n".join(read.line.stations[end].name for end in leg) for leg in pairwise(ends)]
     wanted = [legs[0], "\n".join(read.line.stations[end].name for end in ends[::2]), legs[1]]
-    for _ in range(20):
+    for _ in range(6):
         with drawing():
             figure = figure_of(chosen_run(changed, Choice()), kind_of(name))
         shown = [label.get_text() for axes in figure.axes for label in axes.get_xticklabels()]
