@@ -22,7 +22,7 @@ from study.runner.collector import MORE_OBJECTS
 # Some hundred commands run as processes: bytecode is kept for them, also where the environment would have none.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
-gc.set_threshold(MORE_OBJECTS)
+gc.set_threshold(10 * MORE_OBJECTS)
 
 # No verdict depends on how fast the machine is, and the same examples are tried everywhere. Fixtures are shared by the
 # examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
@@ -53,7 +53,8 @@ def pytest_collection(session: pytest.Session) -> None:
 
 def taken_items(session: pytest.Session, marks: Path) -> Iterator[pytest.Item]:
     """The tests of each file that no process has taken before this one."""
-    for file in sorted(TESTS.rglob("test_*.py"), reverse=session.config.getoption("backwards")):
+    files = sorted(TESTS.rglob("test_*.py"), key=lambda file: (not {"papers", "study"} & {*file.parts}, file))
+    for file in reversed(files) if session.config.getoption("backwards") else files:
         with suppress(FileExistsError):
             (marks / str(file.relative_to(TESTS)).replace(os.sep, ".")).touch(exist_ok=False)
             yield from session.perform_collect([str(file)])

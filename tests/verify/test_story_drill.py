@@ -18,11 +18,10 @@ from verify.explore import ExploredSpace, explored
 from verify.explored_line import UNITS, Budgets, ExploredLine
 from verify.restored import restored
 
-COLLIDES: Final = ("sign-off-frees", Budgets(power=1), False, "collision from behind of u1")
 STAYS: Final = ("leaver-counts-as-on-the-line", Budgets(delay=1), False, "u2 has not left the line")
 UNDETECTED: Final = ("proves-undetected", Budgets(), False, "u2 was sent the wrong way at points PX")
 FALLS_OUT: Final = (
-    COLLIDES,
+    ("sign-off-frees", Budgets(power=1), False, "collision from behind of u1"),
     UNDETECTED,
     ("sign-off-frees", Budgets(loss=1), True, "inside-holding: u2 is in section P"),
     ("booted-holds-nothing", Budgets(power=2), True, "inside-holding: u1 is in section P"),

@@ -53,7 +53,7 @@ CONFIG: Final = ManagerConfig(
     (RouteEntry("in", "P", ("C", "S")), RouteEntry("out", "S", ("C", "P"))),
 )
 CLAIMS: Final[tuple[tuple[str, ...], ...]] = ((), ("P",), ("S",), ("C", "S"))
-FEW, STATES_MAX = 150, 1500  # that are looked at in every run, and in `make nightly`
+FEW, STATES_MAX = 250, 1500  # that are looked at in every run, and in `make nightly`
 
 
 @dataclass(frozen=True)

@@ -140,7 +140,7 @@ def test_legs_that_begin_or_end_together_stand_in_one_order(read: RunRead, name:
     changed = replace(read, tables=RunTables(**{n: getattr(read.tables, n) for n in ROWS} | {table: more}))
     legs = ["\n".join(read.line.stations[end].name for end in leg) for leg in pairwise(ends)]
     wanted = [legs[0], "\n".join(read.line.stations[end].name for end in ends[::2]), legs[1]]
-    for _ in range(6):
+    for _ in range(20):
         with drawing():
             figure = figure_of(chosen_run(changed, Choice()), kind_of(name))
         shown = [label.get_text() for axes in figure.axes for label in axes.get_xticklabels()]
