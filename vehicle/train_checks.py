@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -16,13 +17,12 @@ from network.errors import InputError
 from vehicle.adhesion import DRY, adhesion_coefficient, grip_mps2
 from vehicle.losses import no_load_w
 from vehicle.mass import GRAVITY_MPS2, equivalent_mass_kg, mass_kg
+from vehicle.records import TRAIN
 from vehicle.resistance import resistance_n
 from vehicle.traction import full_force_n, motored_grip_n
 from vehicle.wire import wire_power_w
 
-Record: TypeAlias = (
-    Any  # one of TRAIN: numpy knows no type of its fields, and compiled laws take it as a TrainRow
-)
+Record: TypeAlias = Any  # one of TRAIN: numpy knows no type of its fields; compiled laws take a TrainRow
 _EMPTY: Final = 0.0
 _FULL: Final = 1.0
 
@@ -77,14 +77,14 @@ def _drag_n_per_kn(train: Record) -> float:
     return drag_n / (float(mass) * GRAVITY_MPS2 * 1e-3)
 
 
-def _best_efficiency(train: Record) -> float:
+@lru_cache(maxsize=64)
+def _best_efficiency_of(row: bytes) -> float:
     """Greatest share of the power at the rim in that at the wire, over speeds and forces of the full notch and less."""
-    best = 0.0
+    train, best = np.frombuffer(row, TRAIN)[0], 0.0
     for speed_mps in np.linspace(0.02, 1.0, 50) * float(train["speed_max_mps"]):
         full_n = float(full_force_n(train, _FULL, speed_mps))
         for force_n in np.linspace(0.02, 1.0, 50) * full_n:
-            rim_w = force_n * speed_mps
-            best = max(best, float(rim_w / wire_power_w(train, 1.0, force_n, speed_mps)))
+            best = max(best, float(force_n * speed_mps / wire_power_w(train, 1.0, force_n, speed_mps)))
     return best
 
 
@@ -214,7 +214,7 @@ RULES: Final[tuple[CombinedRange, ...]] = (
         0.0,
         0.985,
         "assumed: published drives with gear reach 0.90 to 0.96; none gives all, or more than it takes",
-        _best_efficiency,
+        lambda train: _best_efficiency_of(train.tobytes()),
     ),
     CombinedRange(
         "efficiency of motors, inverters and gears at the greatest force and base speed",

@@ -7,7 +7,7 @@ names shown to people differ, or where the two persons have said each what in th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, cast
 
@@ -127,8 +127,8 @@ def _key(thing: object) -> object:
         case msgspec.Struct():
             names = (name for name in thing.__struct_fields__ if name != "plan")
             return type(thing).__name__, *(_key(getattr(thing, name)) for name in names)
-        case Mapping():
-            items = cast("Mapping[object, object]", thing).items()
+        case dict():
+            items = cast("dict[object, object]", thing).items()
             return tuple(sorted(((name, _key(value)) for name, value in items), key=repr))
         case frozenset():
             return tuple(sorted(cast("frozenset[object]", thing), key=repr))

@@ -34,10 +34,10 @@ class BlockBook:
 
     def lacks(self, row: ProcedureRow, rows: Sequence[ProcedureRow]) -> tuple[WorkingStep, ...]:
         """What a step needs, itself or by what it needs, and does not stand in the book; `rows`: the whole table."""
-        needed = set(row.needs)
+        needed, has = set(row.needs), self.steps
         for other in reversed(rows):
             needed |= set(other.needs) if other.step in needed else set()
-        return tuple(other.step for other in rows if other.step in needed and other.step not in self.steps)
+        return tuple(other.step for other in rows if other.step in needed and other.step not in has)
 
     def due_rows(self, rows: Sequence[ProcedureRow], *, ending: bool) -> tuple[ProcedureRow, ...]:
         """The steps not in the book that are due now and lack nothing, in the order of the table.

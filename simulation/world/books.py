@@ -184,8 +184,8 @@ class Books:
 
     def _calls(self, slot: int, duty: Duty, index: int) -> bool:
         """Whether the front truly is where a train calls at a target, on the way of its own path."""
-        alongside = self._alongside(slot, duty, duty.mission.targets[index])
-        return (self._near(slot, duty, index) or alongside) and self._on_its_way(slot, duty)
+        there = self._near(slot, duty, index) or self._alongside(slot, duty, duty.mission.targets[index])
+        return there and self._on_its_way(slot, duty)
 
     def _near(self, slot: int, duty: Duty, index: int) -> bool:
         """Whether the front is at the mark of a target, or beyond it on its track."""

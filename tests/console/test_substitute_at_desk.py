@@ -33,7 +33,7 @@ from simulation.substitute_settings import LeftOutStep
 from study.runner.run import CarrierKind
 from tests.console.at_posts import AtPosts, drill_of, of_regime
 from tests.console.test_seats_at_work import replayed
-from tests.nightly import A_FIFTH
+from tests.nightly import A_FIFTH, others_nightly
 from tests.plain import drill_on_plain, run_on_plain
 
 DRILL: Final = "rtri/95_substitute_working"
@@ -69,7 +69,7 @@ def done(session: Session) -> list[str]:
     ("name", "regime", "ticket"),
     [
         (DRILL, Regime.TELEPHONE, False),
-        (DRILL, Regime.DISPATCHER, False),
+        pytest.param(DRILL, Regime.DISPATCHER, False, marks=pytest.mark.nightly),
         (TICKETS, Regime.TELEPHONE, True),
     ],
 )
@@ -208,7 +208,7 @@ def test_what_equipment_and_bodies_do_not_let_is_refused_and_written_down(
         assert any(e.shown.alarm and e.shown.who == post and not e.truth for e in shown)
 
 
-@pytest.mark.parametrize("kept_s", [60.0, 240.0, 480.0])
+@pytest.mark.parametrize("kept_s", others_nightly([60.0, 240.0, 480.0], [240.0]))
 def test_a_role_given_back_is_played_on_by_the_program(kept_s: float) -> None:
     with on_plain(drill_of(DRILL)) as session:
         at = AtPosts(session, EVERYBODY)

@@ -9,6 +9,7 @@ from documents.studies import scenario_of
 from scenario.scenario import load_scenario
 from study.report.data import ReportedRun
 from study.runner.run import PartyLink, execute
+from tests.nightly import others_nightly
 
 UNTIL_S = 21_600.0  # 06:00: the first trains
 CONTACT_M = 632.0  # 35 s at 65 km/h
@@ -37,7 +38,7 @@ def test_by_contacts_a_warning_lasts_as_long_as_the_way_from_there() -> None:
         assert one.warned_s == pytest.approx(CONTACT_M / one.speed_mps, rel=0.05)
 
 
-@pytest.mark.parametrize("name", ["by_tags", "by_gnss"])
+@pytest.mark.parametrize("name", others_nightly(["by_tags", "by_gnss"], ["by_gnss"]))
 def test_by_radio_it_is_constant_to_a_second_and_the_bound_over_the_speed(name: str) -> None:
     """And for a train that is as far ahead as its bound, so long; the ministry's least is 25 s."""
     found = first_trains(name)

@@ -207,6 +207,7 @@ def test_harada_accuracy() -> None:
     assert float(str(new["worst_m"])) > harada_accuracy.WITHIN_M
 
 
+@pytest.mark.nightly
 def test_wheels_alone_hold_the_row_only_where_they_neither_creep_nor_have_a_slope() -> None:
     """What the bench had left out of 2.1 made the null method pass; with it the wheels' way drifts off by metres."""
     place = mountain_line(stations=harada_accuracy.QUICK_STATIONS)

@@ -443,11 +443,8 @@ EVERY_RUN: Final = (
     "09_manager_power",
     "15_crew_comes_late",
     "20_route_given_back",
-    "24_manager_frozen",
-    "28_unit_restart_at_departure",
     "42_doors",
     "58d_hauled_away_uncounted",
-    "56_proof_lost_in_braking",
     "59b_unit_claims_falsely",
     "102_crossing_link",
 )

@@ -21,7 +21,7 @@ from tests.nightly import others_nightly
 CUT_S: Final = 36_012.0  # 12 s after the departure
 RESTART_S: Final = 36_014.0
 DEPARTURE_S: Final = 36_300.0  # of the train behind
-EVERY_S: Final = 120
+EVERY_S: Final = 180
 
 
 def run(drill: str, back_s: float) -> RunResult:

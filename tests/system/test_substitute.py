@@ -18,7 +18,7 @@ from simulation.procedure import PROCEDURES, Regime, WorkingStep, rows_of_train
 from simulation.substitute import by_hand, players, sight
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill
-from tests.nightly import A_FIFTH
+from tests.nightly import A_FIFTH, others_nightly
 from tests.plain import drill_on_plain, run_on_plain
 from tests.trains import timetable_of
 
@@ -255,7 +255,7 @@ MEET: Final = {
 
 
 @pytest.mark.parametrize("looks", [True, False])
-@pytest.mark.parametrize("how", MEET)
+@pytest.mark.parametrize("how", others_nightly(MEET, ["two books"]))
 def test_two_are_not_let_into_one_track(
     how: str, looks: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,7 +16,7 @@ from verify.search import search
 from verify.story import StoryTeller
 
 ALL_TROUBLES = Budgets(1, 1, 1, 1, 1, 1, 1)
-FEW, MANY = 1_500, 40_000
+FEW, MANY = 500, 40_000
 
 
 @pytest.mark.parametrize("states_max", others_nightly((FEW, MANY), [FEW]))

@@ -103,15 +103,6 @@ def test_an_old_token_that_is_obeyed_moves_points_under_a_train(monkeypatch: pyt
     assert found.story[-1] == "t1 hears PointsCommand PX normal X"
 
 
-def test_a_booted_unit_that_says_it_holds_nothing_leads_to_a_train_where_the_register_has_none() -> None:
-    line = ExploredLine(budgets=Budgets(power=2))
-    with restored("booted-holds-nothing"):
-        found = explored(line)
-    assert found.broken == "free in a defined register, and a train stands in it"
-    assert [line for line in found.story if "power" in line].count("manager power fails") == 1
-    assert found.story[-1] == "manager a person accepts the picture"
-
-
 @pytest.mark.nightly
 def test_a_leaver_that_counts_as_on_the_line_can_leave_its_portal_held_for_ever() -> None:
     line = ExploredLine(budgets=Budgets(delay=1))

@@ -386,7 +386,7 @@ SWITCHES: Final[dict[str, tuple[object, str, object]]] = {
 }
 
 
-@pytest.mark.parametrize("off", others_nightly(SWITCHES, list(SWITCHES)[::3]))
+@pytest.mark.parametrize("off", others_nightly(SWITCHES, list(SWITCHES)[::6]))
 def test_a_rule_switched_off_is_found(off: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(*SWITCHES[off])
     found = explored(1, 600)

@@ -27,6 +27,7 @@ from simulation.sensors.sighting_model import (
     record_table,
     sighted_distances,
 )
+from tests.nightly import others_nightly
 from vehicle.compiled import INTERPRETED
 
 # Rendering goes pixel by pixel: interpreted, an image takes a minute.
@@ -163,7 +164,7 @@ def test_the_table_says_from_where_the_sign_is_lost(renderer: Renderer) -> None:
         record_table(renderer, PAPER_SIGN, (3.0, 8.0), 7, window=QUARTER)
 
 
-@pytest.mark.parametrize("speed_mps", [0.0, 0.5])
+@pytest.mark.parametrize("speed_mps", others_nightly([0.0, 0.5], [0.5]))
 @pytest.mark.parametrize("distance_m", [0.5, 1.05, 1.9])
 def test_the_sampled_model_has_the_renderers_moments(
     renderer: Renderer, table: SightTable, model: SightingModel, distance_m: float, speed_mps: float

@@ -51,7 +51,7 @@ def renderer() -> Renderer:
 
 
 @pytest.mark.skipif(INTERPRETED, reason="it renders: interpreted an image takes a minute")
-@pytest.mark.parametrize("light", others_nightly(LIGHTS, [Light.DAYLIGHT, Light.RAIN]))
+@pytest.mark.parametrize("light", others_nightly(LIGHTS, [Light.RAIN]))
 def test_the_figures_are_what_the_renderer_gives(light: Light, renderer: Renderer) -> None:
     assert objections(light, renderer) == []
 

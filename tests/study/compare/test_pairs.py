@@ -12,6 +12,7 @@ from study.compare.meets import MeetFate, meets_of
 from study.compare.side import read_sides
 from study.compare.times import CallEvent
 from study.runner.run import write_run
+from tests.nightly import others_nightly
 from tests.plain import run_on_plain
 from tests.study.compare.pairs import (
     ROUND_TRIP_PAIRS,
@@ -104,13 +105,7 @@ def check_rows(pair: RunComparison, base: Path, new: Path) -> None:
                 assert expected[0] == expected[1]
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[] if name in IN_EVERY_RUN else pytest.mark.nightly)
-        for name in ROUND_TRIP_PAIRS
-    ],
-)
+@pytest.mark.parametrize("name", others_nightly(ROUND_TRIP_PAIRS, IN_EVERY_RUN))
 def test_a_pair_of_round_trips(made: MADE, name: str) -> None:
     base = made("karasuyama_round_trip", "")
     pair = check_against_the_tables(base, made("karasuyama_round_trip", ROUND_TRIP_PAIRS[name]))

@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -16,17 +15,13 @@ from simulation.faults.script import Property
 from study.drilling.drill import Drill, fill_drill, find_drill, run_drill, sentence_of, shipped_drills
 from study.record.directory import reserved
 from study.runner.run import PartyLink, terminals_of
+from tests.nightly import others_nightly
 from tests.plain import drill_on_plain
 from tests.study.report.page import payload_of
 
 RTRI = [name for name in shipped_drills() if name.startswith("rtri/")]
 KARASUYAMA = [name for name in shipped_drills() if name.startswith("karasuyama/")]
-EVERY_RUN = RTRI[::8]  # every eighth drill in every run, all of them at night
-
-
-def at_night(names: list[str], but: list[str]) -> list[Any]:
-    """Names as parameters, all but some of them for the night."""
-    return [pytest.param(name, marks=[] if name in but else pytest.mark.nightly) for name in names]
+EVERY_RUN = RTRI[::12]  # every twelfth drill in every run, all of them at night
 
 
 @pytest.mark.parametrize("name", shipped_drills())
@@ -38,7 +33,7 @@ def test_a_shipped_drill_demands_safety_and_arrival_besides_its_own(name: str) -
     assert sentence_of(name) == scenario.name
 
 
-@pytest.mark.parametrize("name", at_night(RTRI, EVERY_RUN))
+@pytest.mark.parametrize("name", others_nightly(RTRI, EVERY_RUN))
 def test_every_drill_on_the_test_line_is_met(name: str) -> None:
     drill = run_drill(name, PartyLink.SIMULATED)
     assert [f"{v.text}: {v.happened}" for v in drill.verdicts if not v.passed] == []
@@ -70,7 +65,7 @@ OF_WHOLE_ROUTES = {
 }
 
 
-@pytest.mark.parametrize("name", at_night([*RTRI, *KARASUYAMA], EVERY_RUN[::2]))
+@pytest.mark.parametrize("name", others_nightly([*RTRI, *KARASUYAMA], EVERY_RUN[::2]))
 def test_every_drill_is_met_where_sections_are_given_back_one_by_one(name: str, tmp_path: Path) -> None:
     operation = load_scenario(find_drill(name)).setup.operation
     file = tmp_path / "by_section.toml"
@@ -99,7 +94,7 @@ def digest(drill: Drill) -> str:
 
 @pytest.mark.parametrize(
     "name",
-    at_night(
+    others_nightly(
         ["rtri/09_manager_power", "rtri/12_terminal_power", "rtri/24_manager_frozen", "rtri/41_clock_drifts"],
         ["rtri/12_terminal_power"],
     ),

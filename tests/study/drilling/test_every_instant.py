@@ -100,10 +100,10 @@ def test_a_forked_run_is_the_run_of_its_replay_to_the_byte(name: str, tmp_path: 
     """Faults with a duration, acts after them, events made times; instants at a stand and on the way."""
     scenario = load_scenario(find_drill(name))
     variation = what_is_moved(scenario).variation
-    swept = sweep_of(scenario, variation, every_s=23.7, from_s=TEN - 12.3, to_s=TEN + 70.0)
+    swept = sweep_of(scenario, variation, every_s=47.4, from_s=TEN - 12.3, to_s=TEN + 70.0)
     runs = swept.outcomes[scenario.id]
-    assert len(runs) == 4
-    assert len({outcome.digest for outcome in runs.values()}) == 4
+    assert len(runs) == 2
+    assert len({outcome.digest for outcome in runs.values()}) == 2
     for number, (step, outcome) in enumerate(runs.items()):
         file = tmp_path / f"replay_{number}.toml"
         file.write_text(replay_of(scenario, variation.at(step), file.stem, outcome.label), "utf-8")
@@ -161,8 +161,8 @@ def test_what_cannot_be_moved_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("departure_s", others_nightly([TEN, TEN + 420.0], [TEN]))
 def test_a_restart_at_any_moment_of_a_departure_is_no_crash(two_trains: Scenario, departure_s: float) -> None:
     """Traction builds up for some tenths after the order; whoever moves then without driving tells the carrier."""
-    swept = sweep_of(two_trains, restart("K1"), every_s=0.4, from_s=departure_s, to_s=departure_s + 2.8)
-    assert len(swept.outcomes["restart K1"]) == 8
+    swept = sweep_of(two_trains, restart("K1"), every_s=0.8, from_s=departure_s + 0.4, to_s=departure_s + 2.8)
+    assert len(swept.outcomes["restart K1"]) == 4
     assert not swept.bad
 
 
@@ -178,7 +178,7 @@ def test_without_being_told_the_carrier_disagrees(
 
     monkeypatch.setattr("simulation.foreseen.advance", untold)
     at_once = replace(two_trains, setup=replace(two_trains.setup, people=People(times=0.0)))
-    swept = sweep_of(at_once, restart("K1"), every_s=0.4, from_s=TEN, to_s=TEN + 2.8)
+    swept = sweep_of(at_once, restart("K1"), every_s=0.8, from_s=TEN + 0.4, to_s=TEN + 2.8)
     assert "crash CarrierDisagrees" in {outcome.label for outcome in swept.outcomes["restart K1"].values()}
     assert swept.bad
 

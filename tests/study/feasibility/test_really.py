@@ -12,7 +12,7 @@ from simulation.setup import Setup
 from study.feasibility.check import feasibility
 from study.feasibility.finding import FindingKind
 from study.runner.outcome import broken_rules, unfinished
-from study.runner.run import simulation_of
+from study.runner.run import CarrierKind, simulation_of
 from tests.nightly import others_nightly
 from tests.study.feasibility.broken_plans import BREAKS, good
 from tests.study.feasibility.good_plans import good_plan
@@ -25,7 +25,7 @@ IN_PASSING = ("leg_in_two_minutes",)
 
 
 def run(setup: Setup) -> RunResult:
-    with simulation_of(setup) as simulation:
+    with simulation_of(setup, carrier=CarrierKind.PLAIN) as simulation:
         return simulation.run()
 
 

@@ -92,13 +92,7 @@ IN_EVERY_RUN = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "form"),
-    [
-        pytest.param(name, form, marks=[] if (name, form) in IN_EVERY_RUN else pytest.mark.nightly)
-        for name, form in product(KINDS, Format)
-    ],
-)
+@pytest.mark.parametrize(("name", "form"), others_nightly(product(KINDS, Format), IN_EVERY_RUN, columns=True))
 def test_every_kind_is_written_the_same_each_time(
     read: RunRead, name: str, form: Format, tmp_path: Path
 ) -> None:

@@ -23,11 +23,11 @@ from tests.system.chaos.generator import case_of
 from tests.system.chaos.twice import differs
 
 SLICE: Final = (
-    (Family.TEST_LINE, 0, 4),
+    (Family.TEST_LINE, 0, 2),
     (Family.HOUR, 0, 1),
     (Family.LINES, 0, 1),
-    (Family.CROSSINGS, 0, 2),
-    (Family.WIDE, 3, 5),
+    (Family.CROSSINGS, 0, 1),
+    (Family.WIDE, 3, 4),
 )
 ALL: Final = {
     Family.TEST_LINE: 4000,
@@ -73,7 +73,7 @@ NOT_BY_TRAINS: Final[dict[str, str]] = {  # what sees that which the trains that
 }
 AS_STATED: Final = ""
 AT_ONCE: Final = "[people]\ntimes = 0.0\n"
-EVERY_RUN: Final = REPLAYS[::12]
+EVERY_RUN: Final = REPLAYS[::20]
 
 Record = Callable[[str, object], None]
 

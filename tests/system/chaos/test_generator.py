@@ -108,7 +108,7 @@ GROUNDS: Final = (
 
 
 @pytest.mark.parametrize(
-    "ground", others_nightly(GROUNDS, GROUNDS[::12]), ids=lambda one: f"{one[0].value}-{one[1]}"
+    "ground", others_nightly(GROUNDS, GROUNDS[::24]), ids=lambda one: f"{one[0].value}-{one[1]}"
 )
 def test_a_ground_runs_when_nothing_fails(ground: tuple[Family, int], nets: Path) -> None:
     """Else a case would say nothing of its faults."""

@@ -87,7 +87,7 @@ def test_the_ends_of_every_range(name: str) -> None:
     assert _wrong(file, place) == []
 
 
-@pytest.mark.parametrize("quantity", others_nightly(ALL, ALL[::4]), ids=lambda quantity: quantity.name)
+@pytest.mark.parametrize("quantity", others_nightly(ALL, ALL[::8]), ids=lambda quantity: quantity.name)
 def test_a_range_that_is_switched_off_is_noticed(quantity: Quantity, monkeypatch: pytest.MonkeyPatch) -> None:
     held = Quantity.holds
     monkeypatch.setattr(
