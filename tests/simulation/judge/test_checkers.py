@@ -70,6 +70,20 @@ CASES = (
         lambda s: s.accept("A", "W", "T1").bar("A").by_hand("B", "E", "T1"),
     ),
     Case(
+        "claim of what one has who was accepted after it",
+        Checker.NO_DOUBLE_GRANT,
+        restarted,
+        lambda s: s.accept("B", "E", "T1").by_hand("A", "W", "T1"),
+        lambda s: s.accept("B", "E", "T1").by_hand("A", "W"),
+    ),
+    Case(
+        "freed under a train that stands, and its own again a second later",
+        Checker.INSIDE_HOLDING,
+        in_track,
+        lambda s: s.free("A", "T1").accept("A", "T1").finish(),
+        lambda s: s.free("A", "P1").accept("A", "T1").finish(),
+    ),
+    Case(
         "freed by the manager under the train",
         Checker.INSIDE_HOLDING,
         in_track,
@@ -177,6 +191,27 @@ CASES = (
         authorised,
         lambda s: s.prove("A", "1", "normal", token=0).run_in(),
         lambda s: s.grant("A", "P1", "T1").run_in(),
+    ),
+    Case(
+        "proof of an earlier grant, which was accepted since",
+        Checker.PROVEN_BEFORE_ENTRY,
+        lambda: authorised().accept("A", "W", "P1", "T1"),
+        lambda s: s.prove("A", "1", "normal", token=0).run_in(),
+        Stage.run_in,
+    ),
+    Case(
+        "proof of the train's last stay on the line",
+        Checker.PROVEN_BEFORE_ENTRY,
+        lambda: authorised().leave("A").outside("A").put("A", "W+").sign_on("A", "W", "P1", "T1"),
+        Stage.run_in,
+        lambda s: s.prove("A", "1", "normal").run_in(),
+    ),
+    Case(
+        "proof of the way there, on the way back",
+        Checker.PROVEN_BEFORE_ENTRY,
+        lambda: in_track().turn("A"),
+        lambda s: s.see("A", ("T1-", 270.0), ("normal1-", 5.0)),
+        lambda s: s.prove("A", "1", "normal").see("A", ("T1-", 270.0), ("normal1-", 5.0)),
     ),
     Case(
         "proof outlives the holding",
