@@ -30,16 +30,7 @@ from radio.messages import (
     SignOnRefused,
 )
 from tests.onboard.duty.stage import NOW_S, ON_6, ON_SIGHT, PLAN, TIMES, moved
-from tests.onboard.unit_bench import (
-    DEPARTURE_S,
-    LEAD_S,
-    MANAGER,
-    SECTIONS,
-    TOKEN,
-    Bench,
-    capabilities,
-    proof,
-)
+from tests.onboard.unit_bench import DEPARTURE_S, LEAD_S, MANAGER, SECTIONS, TOKEN, Bench, capabilities, proof
 
 # contradictions -------------------------------------------------------------------------------------------------
 

@@ -14,7 +14,8 @@ from simulation.agenda import Agenda
 from simulation.clock import Clock
 from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerCut
-from simulation.faults.fault import Fault, InForce
+from simulation.faults.fault import Fault, InForce, folded_value
+from simulation.faults.lidar import LidarFog
 from simulation.faults.links import Cut, Delay, FaultyLink, disturbed
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
@@ -236,6 +237,11 @@ def test_what_is_stuck_at_a_stand_is_so_for_a_second_fault_too() -> None:
     world.plant.wheel_speed_mps = 20.0
     world.run_to(30)
     assert world.tachometer.frozen_mps == 0.0
+
+
+def test_of_two_fogs_the_thicker_counts() -> None:
+    fogs = (LidarFog(target="K1", visibility_m=20.0), LidarFog(target="K1", visibility_m=50.0))
+    assert folded_value(100.0, fogs) == folded_value(100.0, fogs[::-1]) == 20.0
 
 
 def test_a_tag_that_is_not_read_reads_as_no_other_either() -> None:

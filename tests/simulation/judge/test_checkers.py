@@ -23,15 +23,7 @@ from simulation.events import (
 from simulation.judge.checkers import Checker
 from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
 from tests.simulation.judge.crossing_cases import CROSSING_CASES
-from tests.simulation.judge.stage import (
-    Case,
-    Stage,
-    authorised,
-    in_track,
-    on_points,
-    restarted,
-    second,
-)
+from tests.simulation.judge.stage import Case, Stage, authorised, in_track, on_points, restarted, second
 
 
 def let_in_to_t2(stage: Stage) -> Stage:
@@ -231,27 +223,8 @@ CASES = (
         "reported without the section under the rear",
         Checker.RELEASE_BEHIND_REAR,
         on_points,
-        lambda s: s.entry(
-            "A",
-            Reported(
-                section_ids=(
-                    "P1",
-                    "T1",
-                ),
-                token=1,
-            ),
-        ),
-        lambda s: s.entry(
-            "A",
-            Reported(
-                section_ids=(
-                    "W",
-                    "P1",
-                    "T1",
-                ),
-                token=1,
-            ),
-        ),
+        lambda s: s.entry("A", Reported(section_ids=("P1", "T1"), token=1)),
+        lambda s: s.entry("A", Reported(section_ids=("W", "P1", "T1"), token=1)),
     ),
     Case(
         "one unit not heard",
