@@ -49,6 +49,8 @@ def shown(row: YawGyroRow, turned_rad: np.ndarray, first_step: int = 0) -> np.nd
 def test_a_train_that_carries_none_has_none(rtri_setup: Setup) -> None:
     assert fitted(rtri_setup).fitted == 0
     assert fitted(carrying(rtri_setup)).fitted == 1
+    of_one = rtri_setup.sensors.model_copy(update={"carries_of": {"K1": (PositionSensor.CURVATURE,)}})
+    assert of_one.any_gyro and not rtri_setup.sensors.any_gyro
 
 
 def test_the_body_follows_its_bogies_late_and_turns_as_far() -> None:
