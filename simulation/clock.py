@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 SLOWEST: float = -0.9  # however many drifts add up, a clock goes on
@@ -25,8 +25,8 @@ class Clock:
 
     def wrong(self, offset_s: float, drift: float, since_s: float) -> Clock:
         """The same clock, further ahead by `offset_s` since a true time, and by `drift` for each second since then."""
-        ahead_s = self.ahead_s + offset_s - drift * since_s
-        return replace(self, ahead_s=ahead_s, drift=max(self.drift + drift, SLOWEST))
+        in_all = max(self.drift + drift, SLOWEST)
+        return Clock(self.ahead_s + offset_s - (in_all - self.drift) * since_s, in_all)
 
 
 RIGHT: Final = Clock()

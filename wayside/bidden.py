@@ -106,10 +106,8 @@ def weighed(
     return register, instead or against, None
 
 
-def settled(before: Register, register: Register) -> tuple[Register, tuple[Action, ...]]:
+def settled(register: Register) -> tuple[Register, tuple[Action, ...]]:
     """The register without waits for a unit that has the section now, and what the journal is told."""
-    if not register.bidden or register.holders == before.holders:
-        return register, ()
     over = [
         u for u, b in register.bidden.items() if b.behind and register.holders.get(b.section_id) == b.behind
     ]

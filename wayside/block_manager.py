@@ -92,7 +92,7 @@ def step(register: Register, event: Event, now_s: float) -> Step:
             register, actions = acts.act(register, event, now_s)
     register = leaving.asked_later(before, register, now_s)
     register, following = reentry.settle(register, now_s)
-    register, over = bidden.settled(before, register)
+    register, over = bidden.settled(register)
     return register, (*actions, *following, *over, *newly_contested(before, register))
 
 

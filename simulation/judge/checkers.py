@@ -155,7 +155,6 @@ class Checkers:
         """
         body = self._bodies[unit_id]
         self._proofs.pop(unit_id, None)
-        self._locking.forget_losses(unit_id)
         if body.speed_mps > 0.0:
             text = f"{unit_id} changed ends at {body.speed_mps:.1f} m/s"
             self._log.note(t_s, Checker.NO_JUMP, unit_id, text)

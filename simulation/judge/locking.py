@@ -132,9 +132,7 @@ class RouteLocking:
 
     def is_clear_of(self, body: Body, points_id: str) -> None:
         """The train is wholly off points that it had come onto."""
-        loss = self._losses.get(body.unit_id, {}).get(points_id)
-        if loss is not None and loss.entered:
-            self.forget_losses(body.unit_id, (points_id,))
+        self.forget_losses(body.unit_id, (points_id,))
 
     def _limit2(self, body: Body, loss: _Loss, at_m: float) -> float:
         """Square of the speed that the guaranteed brake lets the train have at a place on its run."""

@@ -41,6 +41,8 @@ def test_who_has_gone_or_goes_the_same_way_is_not_met() -> None:
     assert meets_of(LINE, [runs, up((TEN - 600, B_M), (TEN, A_M))]) == ()  # touch, no overlap
     assert meets_of(LINE, [runs, up((TEN + 900, B_M), (TEN + 1500, A_M))]) == ()
     assert meets_of(LINE, [runs, up((TEN + 540, H_M), (TEN + 900, A_M))]) == ()  # has long passed it
+    ends = down((TEN, A_M), (TEN + 600, H_M))
+    assert meets_of(LINE, [ends, up((TEN + 300, B_M), (TEN + 900, H_M))]) == ()  # it ends before that comes
     assert meets_of(LINE, [runs, down((TEN + 60, A_M), (TEN + 660, B_M), number="E")]) == ()
 
 

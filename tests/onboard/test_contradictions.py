@@ -3,11 +3,11 @@
 import math
 
 import pytest
+from msgspec.structs import replace
 
-from onboard.duty.records import (
-    DutyPhase,
-    SwitchedOn,
-)
+from onboard.authority.records import Authority, RequestKind
+from onboard.duty.machine import step
+from onboard.duty.records import DutyPhase, FoundByOtherSensor, SwitchedOn
 from onboard.records import (
     EMERGENCY_INTERVENTION,
     EVENT_MOVING,
@@ -29,16 +29,8 @@ from radio.messages import (
     SignOnAccepted,
     SignOnRefused,
 )
-from tests.onboard.unit_bench import (
-    DEPARTURE_S,
-    LEAD_S,
-    MANAGER,
-    SECTIONS,
-    TOKEN,
-    Bench,
-    capabilities,
-    proof,
-)
+from tests.onboard.duty.stage import NOW_S, ON_6, ON_SIGHT, PLAN, TIMES, moved
+from tests.onboard.unit_bench import DEPARTURE_S, LEAD_S, MANAGER, SECTIONS, TOKEN, Bench, capabilities, proof
 
 # contradictions -------------------------------------------------------------------------------------------------
 
@@ -151,3 +143,16 @@ def test_what_must_be_swept_is_not_entered_at_speed(running: Bench) -> None:
     running.stop(165.0)
     assert running.row.stop_limit_m == pytest.approx(520.0)
     assert running.row.restricted_mps == pytest.approx(15.0 / 3.6)
+
+
+@pytest.mark.parametrize(("sure", "claims"), [(3, ("6",)), (2, None)])
+def test_found_surely_in_what_it_does_not_hold_it_stops_and_claims_that(
+    sure: int, claims: tuple[str, ...] | None
+) -> None:
+    """It holds 3 and 5; its front is in 6, or may be."""
+    lost = replace(ON_SIGHT, authority=Authority(held=("3", "5"), commandable=("5",), on_line=True))
+    place = moved(ON_6, here=sure - 1, sure=sure, clear=sure - 1)
+    state, _ = step(PLAN, TIMES, lost, FoundByOtherSensor(), place, NOW_S)
+    asked = state.authority.open(RequestKind.SIGN_ON)
+    assert (None if asked is None else asked.section_ids) == claims
+    assert state.halted is (claims is not None)

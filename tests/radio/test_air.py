@@ -76,6 +76,9 @@ def test_bit_errors() -> None:
     expected = 1 - (1 - 1e-3) ** 320
     assert flipped / N == pytest.approx(expected, abs=sigma5(expected))
     assert air.counts[AirEvent.FLIPPED] == flipped
+    pairs = send(Air(AirParameters(flip_p=1e-3, duplicate_p=1.0), 7), data=bytes(40))
+    both = sum(all(copy.data != bytes(40) for copy in pair) for pair in pairs)  # each on its own
+    assert both / N == pytest.approx(expected**2, abs=sigma5(expected**2))
     bits = sum(byte.bit_count() for out in outs for byte in out[0].data)
     assert bits / (320 * N) == pytest.approx(1e-3, abs=sigma5(1e-3, 320 * N))
 

@@ -1,3 +1,5 @@
+import random
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -71,3 +73,12 @@ def test_what_is_put_off_is_due_once_and_telegrams_still_arrive() -> None:
     came = [(item.step, item.kind, item.data) for item in due(agenda)]
     to_device, timer = AgendaKind.TO_DEVICE, AgendaKind.UNIT_TIMER
     assert came == [(3, to_device, None), (5, to_device, b"proof"), (5, timer, None)]
+
+
+def test_what_is_left_when_some_are_taken_out_still_comes_in_order() -> None:
+    agenda, chance = Agenda(), random.Random(1)
+    for step in chance.sample(range(200), 200):
+        agenda.put(step, AgendaKind.TO_DEVICE, chance.choice("ab"))
+    taken = agenda.pop_all(150, AgendaKind.TO_DEVICE, "a")
+    left = [item.step for item in due(agenda, 200)]
+    assert (left, len(taken) + len(left)) == (sorted(left), 200)

@@ -201,6 +201,14 @@ def test_losses_come_as_often_as_said_and_the_same_with_the_same_seed() -> None:
     assert sum(lost(1)) / 2000 == pytest.approx(0.3, abs=0.04)  # four standard deviations
 
 
+def test_what_fails_on_two_links_at_once_is_drawn_for_each() -> None:
+    units = ("K1", "K2")
+    world = World(*(failing(Loss(target=FaultyLink(unit, "B-W"), p=0.5)) for unit in units))
+    world.run_to(10)
+    alike = sum(world.sent("K1", "B-W") == world.sent("K2", "B-W") for _ in range(2000))
+    assert alike / 2000 == pytest.approx(0.5, abs=0.045)  # four standard deviations
+
+
 def test_power_goes_off_and_comes_back_on_units_and_devices() -> None:
     off = [ScriptedFault(PowerCut(target=target), Trigger(at_s=1.0), 2.0) for target in ("K1", "B-W")]
     world = World(*off, ScriptedFault(Restart(target="block-manager"), Trigger(at_s=5.0)))

@@ -154,7 +154,11 @@ def test_points_break_at_counted_throws_and_only_such_as_may_come(karasuyama_set
 
 
 def test_a_dead_zone_lies_in_its_section_and_heals(karasuyama_setup: Setup) -> None:
-    for failure in day(karasuyama_setup, late(("dead_zones", "a"), dead_zones={"per_day": 40.0})).failures:
+    drawn = day(karasuyama_setup, late(("dead_zones", "a"), dead_zones={"per_day": 40.0}))
+    broken = day(karasuyama_setup, late(("failures", "a"), failures={"mtbf_km": 20.0}))
+    for one in (drawn, broken):
+        assert [f.duration_s for f in one.failures] == [told.seconds for told in one.drawn] != []
+    for failure in drawn.failures:
         assert isinstance(failure, ScriptedFault) and isinstance(failure.fault, DeadZone)
         assert failure.fault.target in karasuyama_setup.line.sections
         assert 100.0 <= failure.fault.length_m <= 900.0

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from network.errors import InputError
 from vehicle.dynamics import step
 from vehicle.losses import losses_w, motors_needed, no_load_w, running_motors
+from vehicle.mass import equivalent_mass_kg
+from vehicle.optimum.costs import cost_terms
 from vehicle.running_time import predicted_run
 from vehicle.train_file import load_train, new_plant, shipped_train
 from vehicle.wire import power_at_grip_w, wire_power_w
@@ -253,3 +255,16 @@ def test_the_shipped_trains_with_and_without_losses_are_otherwise_alike() -> Non
     own = {key: text for key, text in lossy["provenance"].items() if key.partition(".")[0] == "losses"}
     assert plain["provenance"] == {k: text for k, text in lossy.pop("provenance").items() if k not in own}
     assert {key: plain[key] for key in plain if key != "provenance"} == lossy
+
+
+@pytest.mark.parametrize("speed_mps", [5.0, 12.0, 25.0])
+def test_what_a_force_costs_the_optimum_is_what_the_wire_gives_from_the_efficient_point_on(
+    lossy: Rows, speed_mps: float
+) -> None:
+    train, inertia_kg = lossy[0], equivalent_mass_kg(lossy[0], 0.3)
+    slope, _, bend, curve, idle = cost_terms(train, 0.3, speed_mps)
+    for force_n in (0.5 * bend * inertia_kg, bend * inertia_kg, 40_000.0):
+        asks = force_n / inertia_kg
+        cost = slope * asks + curve * max(asks - bend, 0.0) ** 2 + idle
+        drawn = wire_power_w(train, 1.0, force_n, speed_mps) / (speed_mps * inertia_kg)
+        assert cost < drawn - 1e-4 if asks < bend else cost == pytest.approx(drawn)

@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from vehicle.dynamics import step
-from vehicle.train_file import new_plant
+from vehicle.source import pull_within_n
+from vehicle.train_file import load_train, new_plant, shipped_train
+from vehicle.wire import power_at_grip_w
 
 Rows = NDArray[np.void]
 
@@ -63,6 +65,14 @@ def test_without_limits_more_is_drawn_and_given_back(ev_e301: Rows) -> None:
     _, drawn_w, back_w = driven(ev_e301[0], [(5, 200), (-7, 100)], 5.0, 0.0)
     assert drawn_w > 400e3
     assert back_w > 200e3
+
+
+def test_by_a_map_of_losses_too_motors_pull_with_all_that_the_source_gives() -> None:
+    train, plant = load_train(shipped_train("ev_e301_losses")).row[0], new_plant(1, 15.0)[0]
+    plant["source_gives_w"] = 3e5
+    pull_n = pull_within_n(plant, train, 48_000.0, 5_000.0, 1e5, 93_000.0, DT_S)
+    middle_mps = 15.0 + (pull_n - 5_000.0) / 1e5 * DT_S / 2.0
+    assert power_at_grip_w(train, 1.0, pull_n, middle_mps, 93_000.0) + AUXILIARY_W == pytest.approx(3e5)
 
 
 @given(commands=commands, speed=speeds, gradient=gradients, takes=st.floats(0.0, 4e5))

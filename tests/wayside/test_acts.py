@@ -366,12 +366,7 @@ def spoken_for() -> Desk:
 @pytest.mark.parametrize("fresh", [False, True])
 @pytest.mark.parametrize(
     "message",
-    [
-        SignOn("u1", ("P",)),
-        SignOff("u1", 1),
-        HoldingReport(("A", "B"), 1),
-        RouteRequest("u1", "R", ("C",)),
-    ],
+    [SignOn("u1", ("P",)), SignOff("u1", 1), HoldingReport(("A", "B"), 1), RouteRequest("u1", "R", ("C",))],
 )
 def test_what_a_boot_says_that_persons_spoke_for_is_challenged(message: AnyMessage, fresh: bool) -> None:
     desk = spoken_for()

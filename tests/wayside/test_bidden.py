@@ -71,6 +71,7 @@ def test_the_order_of_two_trains_ends_with_the_other_on_the_line() -> None:
     assert isinstance(desk.hear("u2", BACK), RouteGranted)
     assert WaitOver in desk.kinds
     assert desk.register.bidden == {}
+    assert bid(desk, LetWait("u1", "Abe", 900.0, "u2", "C")) == [WaitBidden, WaitOver]  # it has it already
 
 
 @pytest.mark.parametrize(

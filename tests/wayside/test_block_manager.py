@@ -320,6 +320,9 @@ def test_a_claim_never_frees() -> None:
     accepted = desk.hear("u1", Claim(("B",), 0))
     assert isinstance(accepted, SignOnAccepted)
     assert accepted.section_ids == ("A", "B")
+    desk = defined(u1=("A",))
+    desk.hear("u1", Claim(("B",), 0))
+    assert desk.register.units_asked() == ("u1",)  # until it has given A back
 
 
 def test_signing_off_from_the_portal_and_again() -> None:

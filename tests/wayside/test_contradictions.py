@@ -23,14 +23,7 @@ from wayside.actions import Send
 from wayside.acts import ASKED_IN_VAIN
 from wayside.block_manager import step
 from wayside.register import UnitStanding, start
-from wayside.said import (
-    ConfirmOutside,
-    Contradicted,
-    Freed,
-    Refused,
-    Swept,
-    TakeBack,
-)
+from wayside.said import ConfirmOutside, Contradicted, Freed, Refused, Swept, TakeBack
 
 # contradictions -------------------------------------------------------------------------------------------------
 

@@ -90,6 +90,15 @@ def test_a_late_train_is_ended_where_that_saves_enough() -> None:
         assert (TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)) is ordered
 
 
+@pytest.mark.parametrize("others", range(3))
+def test_each_train_that_does_not_run_costs_what_is_stated(others: int) -> None:
+    """The one that is ended counts for the 300 s that it is late, each of the others for 60 s."""
+    register = at_the_loop().register
+    assert register.days is not None
+    trains, register = ("0", "0b", "0c")[: 1 + others], replace(register, now_s=500.0)
+    assert cutting._stated_s(register, register.days, 0, 1, trains) == 300.0 + 60.0 * others
+
+
 def test_a_cut_that_saves_nothing_is_none_whatever_it_must_gain() -> None:
     """By the same hand, with 160 s for the other train: 560 against 560."""
     for late_s, ordered in ((159.0, True), (160.0, False)):

@@ -3,6 +3,7 @@
 import random
 
 import pytest
+from msgspec.structs import replace
 
 from radio.messages import Claim, RefusalReason, RouteGranted, RouteRefused, RouteRequest, SignOnAccepted
 from tests.wayside.entering_line import STANDS, Play, can_finish, config_of, random_case
@@ -11,7 +12,7 @@ from wayside.actions import Send
 from wayside.block_manager import Heard, step
 from wayside.certificate import CertificateProof, finishing_order
 from wayside.places import stands_of
-from wayside.register import Register, start
+from wayside.register import UNKNOWN_UNIT, Register, start
 
 MEET = [["0.1", "1.1", "2.1"], ["2.2", "1.2", "0.2"]]
 WHOLE = {"u0": ("0E", "0-1", "1W", "1.1"), "u1": ("2W", "1-2", "1E", "1.2")}
@@ -101,6 +102,13 @@ def test_a_unit_that_boots_on_its_way_is_given_no_leave_by_signing_on() -> None:
         a.message for a in actions if isinstance(a, Send) and isinstance(a.message, SignOnAccepted)
     )
     assert "1W" not in [c.section_id for c in accepted.capabilities]
+
+
+def test_what_a_unit_does_not_claim_it_is_known_to_have_leave_for_no_more_nor_to_lack_it() -> None:
+    """Else points that another overruns on would count as free, because it once had no leave for them."""
+    before = replace(UNKNOWN_UNIT, leave=frozenset({"1W", "1.1"}), without_leave=frozenset({"1E", "0E"}))
+    after = entering.carried_over(before, UNKNOWN_UNIT, ("1W", "0E"))
+    assert (after.leave, after.without_leave) == ({"1W"}, {"0E"})
 
 
 def test_after_a_restart_who_may_have_leave_keeps_the_other_out_until_it_asks() -> None:

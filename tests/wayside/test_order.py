@@ -136,6 +136,13 @@ def test_nobody_waits_for_a_train_in_whose_way_another_stands(first: bool, stand
     assert isinstance(play.asks(other), RouteGranted if stands else RouteRefused)
 
 
+def test_nobody_waits_for_a_train_that_was_overtaken_on_other_line() -> None:
+    ways = [["0.1", "1.1"], ["1.2", "2.1"]]
+    play = Play(config_of([1, 2, 1], ways, order=OrderRule.PLANNED, late_s=60.0), ways, now_s=300.0)
+    play.register = play.register.with_trip("u1", DayProgress(asked_s=200.0, overtaken=2))
+    assert isinstance(play.asks(0), RouteGranted)
+
+
 @pytest.mark.parametrize("certificate", [True, False])
 def test_nobody_waits_for_a_train_that_may_not_go_by_the_certificate(certificate: bool) -> None:
     """If it went, it and the one that comes against it would stand before each other for ever."""

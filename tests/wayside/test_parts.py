@@ -122,6 +122,14 @@ def test_no_part_ends_where_the_radio_does_not_reach() -> None:
     assert line.ask("u2", "A2>B") == ()
 
 
+def test_no_part_is_granted_where_more_than_a_holder_is_against_it() -> None:
+    line = following()
+    defined, line.register = line.register, msgspec.structs.replace(line.register, restoring=True)
+    assert line.ask("u2", "A2>B") == ()
+    line.register = defined
+    assert isinstance(line.hear("u2", RouteRequest("u2", "A9>B", ("1", "2"))), RouteRefused)
+
+
 def test_without_the_rule_a_follower_waits_for_the_whole() -> None:
     assert following(parts=False).ask("u2", "A2>B") == ()
 

@@ -6,18 +6,12 @@ import pytest
 
 from network.files.line_file import load_line
 from radio.keys import capability_key
-from radio.messages import (
-    Claim,
-)
+from radio.messages import Claim
 from wayside.acts import Act
 from wayside.block_manager import AskUnits, Heard, step
 from wayside.config import ReentryMode, manager_config
 from wayside.register import start
-from wayside.said import (
-    AcceptPicture,
-    ConfirmHolding,
-    EnterSection,
-)
+from wayside.said import AcceptPicture, ConfirmHolding, EnterSection
 
 KARASUYAMA = Path(__file__).resolve().parents[2] / "network" / "lines" / "karasuyama.toml"
 FOUR_OUT = {

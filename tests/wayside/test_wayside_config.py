@@ -3,14 +3,7 @@
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Direction, Line, Points, Position, Route, Section, SectionKind
-from wayside.config import (
-    MANAGER_ID,
-    PointsEntry,
-    RouteEntry,
-    SectionEntry,
-    manager_config,
-    terminal_configs,
-)
+from wayside.config import MANAGER_ID, PointsEntry, RouteEntry, SectionEntry, manager_config, terminal_configs
 
 
 def points(points_id: str, section_id: str, terminal_id: str, throw_time_s: float) -> Points:

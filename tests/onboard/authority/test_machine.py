@@ -320,3 +320,8 @@ def test_a_timer_runs_for_all_that_is_sent_and_for_nothing_that_is_over(
         running = timers_after(running - {event.timer} if isinstance(event, RepeatDue) else running, actions)
         open_ = {one.timer for one in (*after.requests, *after.commands)}
         assert timers_of(after) <= running <= open_
+
+
+def test_who_claims_where_it_stands_may_be_on_the_line_and_who_wishes_to_enter_is_not() -> None:
+    claims = Authority(requests=(OpenRequest(RequestKind.SIGN_ON),))
+    assert claims.perhaps_on_line and not replace(claims, entering=True).perhaps_on_line

@@ -93,12 +93,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(SIGNING_ON, proven=(P5,)),
         (proven(by_crew=True),),
     ),
-    "given up where the front may be on them": (
-        THROWING,
-        Withdrawn(("5",)),
-        WITHDRAWN,
-        (StopTimer(TIMER),),
-    ),
+    "given up where the front may be on them": (THROWING, Withdrawn(("5",)), WITHDRAWN, (StopTimer(TIMER),)),
     "given up twice, remembered once": (
         replace(THROWING, unsaid=(P5,)),
         Withdrawn(("5",)),
@@ -180,12 +175,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         (SetTimer(TIMER, REFUSED_REPEAT_S),),
     ),
     "refused for another token": (THROWING, replace(DENIED, mine=False, stale=True), THROWING, ()),
-    "refused by another terminal": (
-        THROWING,
-        replace(DENIED, terminal_id="B-W"),
-        THROWING,
-        (),
-    ),
+    "refused by another terminal": (THROWING, replace(DENIED, terminal_id="B-W"), THROWING, ()),
 }
 
 

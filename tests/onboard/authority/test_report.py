@@ -110,12 +110,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(HOLDING, unswept=("3", "6")),
         Cleared(("3", "5")),
         replace(
-            HOLDING,
-            held=("6", "7", "8"),
-            commandable=("7",),
-            requests=(OPEN,),
-            unswept=("6",),
-            swept=("3",),
+            HOLDING, held=("6", "7", "8"), commandable=("7",), requests=(OPEN,), unswept=("6",), swept=("3",)
         ),
         (
             Renew(RequestKind.REPORT),
@@ -189,9 +184,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SIGNING_OFF,
         ConfirmationHeard(("PE",), answers=True, newer=False, contested=("PE",)),
         replace(
-            SIGNING_OFF,
-            requests=(LEAVING, replace(OPEN, refusal="contested: PE")),
-            mismatch="contested: PE",
+            SIGNING_OFF, requests=(LEAVING, replace(OPEN, refusal="contested: PE")), mismatch="contested: PE"
         ),
         (Write(notes.Mismatch(why="contested: PE")), SetTimer(REPORT, REFUSED_REPEAT_S)),
     ),

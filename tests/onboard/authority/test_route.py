@@ -119,18 +119,8 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             *reported("3"),
         ),
     ),
-    "a refusal of another request is none": (
-        ASKING,
-        replace(REFUSAL, answers=False),
-        ASKING,
-        (),
-    ),
-    "a refusal of another route is none": (
-        ASKING,
-        replace(REFUSAL, subject="3>9"),
-        ASKING,
-        (),
-    ),
+    "a refusal of another request is none": (ASKING, replace(REFUSAL, answers=False), ASKING, ()),
+    "a refusal of another route is none": (ASKING, replace(REFUSAL, subject="3>9"), ASKING, ()),
     "a route that must be swept is passed on sight": (
         ASKING,
         other(GRANT, on_sight=("6",)),

@@ -47,11 +47,7 @@ THROWING: Final = replace(
 UNTOLD: Final = moved(ON_6, untold=True)
 ELSEWHERE: Final = replace(ON_SIGHT, authority=Authority(held=("3", "5"), commandable=("5",), on_line=True))
 UPON_5: Final = replace(
-    STANDING,
-    authority=HOLDS_ALL,
-    limit=StopLimit(1, "5", "points not proven"),
-    may_ask=True,
-    may_leave=True,
+    STANDING, authority=HOLDS_ALL, limit=StopLimit(1, "5", "points not proven"), may_ask=True, may_leave=True
 )
 BEHIND: Final = Authority(held=("7", "8"), commandable=("7",), on_line=True)
 
@@ -128,11 +124,7 @@ FIXES: Final[dict[str, Case]] = {
         replace(FINISHED, phase=DutyPhase.STANDING, place=moved(AT_B, unsure=True), authority=BEHIND),
         AtMark(1, beyond_m=10.0),
         AT_B,
-        replace(
-            FINISHED,
-            phase=DutyPhase.STANDING,
-            authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
-        ),
+        replace(FINISHED, phase=DutyPhase.STANDING, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
         (Renew(RequestKind.REPORT), holds("8"), *reported("8")),
     ),
     **{

@@ -99,13 +99,7 @@ ORDERS: Final[dict[str, Case]] = {
         replace(HOLDS_ROUTE, place=NOT_READY),
         (),
     ),
-    "a grant of the way that its driver is giving up": (
-        ORDERED,
-        TelegramHeard(GRANT),
-        AT_A,
-        ORDERED,
-        (),
-    ),
+    "a grant of the way that its driver is giving up": (ORDERED, TelegramHeard(GRANT), AT_A, ORDERED, ()),
     "a grant to who is ending its train": (ENDS, TelegramHeard(GRANT), AT_A, ENDS, ()),
     "a second order, before its driver has spoken": (
         ORDERED,
@@ -170,13 +164,7 @@ ORDERS: Final[dict[str, Case]] = {
         replace(ASKS, place=moved(AT_A, perhaps=2)),
         refused(OrderRefusalReason.MAY_HAVE_ENTERED),
     ),
-    "its set has no such train": (
-        ENDS,
-        NoSuchWay(),
-        AT_A,
-        ASKS,
-        refused(OrderRefusalReason.UNKNOWN_TRAIN),
-    ),
+    "its set has no such train": (ENDS, NoSuchWay(), AT_A, ASKS, refused(OrderRefusalReason.UNKNOWN_TRAIN)),
     "the train has no such way": (
         ORDERED,
         NoSuchWay(),
@@ -189,10 +177,7 @@ ORDERS: Final[dict[str, Case]] = {
         TakeBackOrdered("3>8", newest=True, hold_s=30.0),
         NOT_READY,
         replace(
-            STANDING,
-            place=NOT_READY,
-            may_leave=True,
-            authority=replace(HOLDS_3, requests=(REPORT_OPEN,)),
+            STANDING, place=NOT_READY, may_leave=True, authority=replace(HOLDS_3, requests=(REPORT_OPEN,))
         ),
         (
             SetTimer(ASK, 30.0),
@@ -228,12 +213,7 @@ ORDERS: Final[dict[str, Case]] = {
         replace(HOLDS_ROUTE, may_leave=False),
         TakeBackOrdered("3>8", newest=True, hold_s=30.0),
         moved(AT_A, perhaps=2),
-        replace(
-            HOLDS_ROUTE,
-            may_leave=False,
-            place=moved(AT_A, perhaps=2),
-            wanted=(),
-        ),
+        replace(HOLDS_ROUTE, may_leave=False, place=moved(AT_A, perhaps=2), wanted=()),
         refused(OrderRefusalReason.MAY_HAVE_ENTERED),
     ),
     **{

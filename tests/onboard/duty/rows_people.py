@@ -293,13 +293,7 @@ PEOPLE: Final[dict[str, Case]] = {
     },
     **{
         f"asked, the driver sees the whole train at its mark: {at.value}": (
-            replace(
-                STATES[at],
-                at=1,
-                place=AT_B,
-                authority=HOLDS_7_8,
-                entered=BOTH,
-            ),
+            replace(STATES[at], at=1, place=AT_B, authority=HOLDS_7_8, entered=BOTH),
             AtMark(1),
             AT_B,
             replace(

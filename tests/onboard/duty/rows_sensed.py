@@ -187,12 +187,7 @@ SENSED: Final[dict[str, Case]] = {
             authority=Authority(held=("5", "6", "7"), requests=(CLAIMS,)),
             proved=1,
         ),
-        (
-            Write(notes.PositionFound()),
-            Renew(RequestKind.SIGN_ON),
-            holds("5", "6", "7"),
-            *sent(CLAIMS),
-        ),
+        (Write(notes.PositionFound()), Renew(RequestKind.SIGN_ON), holds("5", "6", "7"), *sent(CLAIMS)),
     ),
     "a tag tells the position before the manager has answered: it waits for what that has": (
         replace(ON_SIGHT, authority=replace(NOBODY_KNOWS, requests=(IGNORANT,))),
@@ -247,10 +242,7 @@ SENSED: Final[dict[str, Case]] = {
         PositionLost(),
         LOST,
         replace(
-            ON_SIGHT,
-            authority=replace(HOLDS_REST, unsaid=(P7,)),
-            entered=frozenset({"5"}),
-            wanted=(P7,),
+            ON_SIGHT, authority=replace(HOLDS_REST, unsaid=(P7,)), entered=frozenset({"5"}), wanted=(P7,)
         ),
         (StopTimer(Timer("points", "P7")),),
     ),
@@ -272,21 +264,14 @@ SENSED: Final[dict[str, Case]] = {
             authority=replace(HOLDS_PASSED, commands=(OpenCommand(P7, sent=True),)),
             wanted=(P7,),
         ),
-        (
-            Write(notes.StoppedShort(short_m=120.0, why="points not proven")),
-            Commit(P7),
-            *commanded(P7),
-        ),
+        (Write(notes.StoppedShort(short_m=120.0, why="points not proven")), Commit(P7), *commanded(P7)),
     ),
     "stopped short, the route ahead given back: it asks for what it lacks": (
         replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER),
         Stopped(MarkRelation.SHORT, -120.004),
         AT_STAND,
         replace(
-            RUNNING,
-            place=AT_STAND,
-            authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)),
-            limit=NO_FURTHER,
+            RUNNING, place=AT_STAND, authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)), limit=NO_FURTHER
         ),
         (
             Write(notes.StoppedShort(short_m=120.0, why="not held")),
@@ -299,10 +284,7 @@ SENSED: Final[dict[str, Case]] = {
         Looked(),
         AT_STAND,
         replace(
-            RUNNING,
-            place=AT_STAND,
-            authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)),
-            limit=NO_FURTHER,
+            RUNNING, place=AT_STAND, authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)), limit=NO_FURTHER
         ),
         (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),
@@ -317,11 +299,7 @@ SENSED: Final[dict[str, Case]] = {
             authority=HOLDS_PASSED,
             released=False,
         ),
-        (
-            Write(notes.StoppedShort(short_m=1.0, why="points not proven")),
-            DrivingOrder.LOSE,
-            RELEASE_LATER,
-        ),
+        (Write(notes.StoppedShort(short_m=1.0, why="points not proven")), DrivingOrder.LOSE, RELEASE_LATER),
     ),
     "arrived: what the tags read so far prove to be behind is given back": (
         replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END, proved=4),
@@ -406,10 +384,7 @@ SENSED: Final[dict[str, Case]] = {
     ),
     "a joint passed by the safe rear after it: its section is given back": (
         replace(
-            ARRIVING,
-            proved=4,
-            freed=4,
-            authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",)),
+            ARRIVING, proved=4, freed=4, authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",))
         ),
         Looked(),
         IN_8,
@@ -435,10 +410,7 @@ SENSED: Final[dict[str, Case]] = {
         Looked(),
         RUNNING_ON_5,
         replace(
-            RUNNING,
-            place=RUNNING_ON_5,
-            authority=replace(UNSWEPT, proven=(P5,)),
-            limit=BEFORE_6_ON_SIGHT,
+            RUNNING, place=RUNNING_ON_5, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_6_ON_SIGHT
         ),
         (limit(2, "6", "to be passed on sight"),),
     ),
@@ -447,10 +419,7 @@ SENSED: Final[dict[str, Case]] = {
         Looked(),
         IN_8,
         replace(
-            ARRIVING,
-            proved=4,
-            freed=4,
-            authority=replace(HOLDS_8, requests=(REPORT_OPEN,), swept=("6",)),
+            ARRIVING, proved=4, freed=4, authority=replace(HOLDS_8, requests=(REPORT_OPEN,), swept=("6",))
         ),
         (
             Renew(RequestKind.REPORT),

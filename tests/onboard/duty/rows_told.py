@@ -232,11 +232,7 @@ TOLD: Final[dict[str, Case]] = {
         TelegramHeard(ConfirmationHeard(("6", "7"), answers=True, newer=False)),
         ON_6,
         halted(RUNNING, LESS, replace(REPORT_OPEN, refusal=LESS)),
-        (
-            Write(notes.Mismatch(why=LESS)),
-            SetTimer(Timer("report"), REFUSED_REPEAT_S),
-            DrivingOrder.STOP,
-        ),
+        (Write(notes.Mismatch(why=LESS)), SetTimer(Timer("report"), REFUSED_REPEAT_S), DrivingOrder.STOP),
     ),
     "confirmed and contested, the train is braked": (
         replace(RUNNING, authority=replace(HOLDS_REST, requests=(REPORT_OPEN,))),
@@ -381,12 +377,7 @@ TOLD: Final[dict[str, Case]] = {
         ),
     ),
     "a proof withdrawn under the train: neither commanded nor holding it back": (
-        replace(
-            RUNNING,
-            authority=replace(HOLDS_REST, proven=(P7,)),
-            wanted=(P7,),
-            limit=TO_THE_END,
-        ),
+        replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), wanted=(P7,), limit=TO_THE_END),
         TelegramHeard(ProofHeard("P7", "B-W", None, mine=True)),
         moved(ON_6, here=3, sure=4, perhaps=4),
         replace(

@@ -5,12 +5,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from onboard import notes
-from onboard.authority.records import (
-    Renew,
-    RequestKind,
-    SetTimer,
-    Write,
-)
+from onboard.authority.records import Renew, RequestKind, SetTimer, Write
 from onboard.duty.fitness import LOOKS_AGAIN_S
 from onboard.duty.records import (
     ABLE,
@@ -152,10 +147,7 @@ VEHICLE: Final[dict[str, Case]] = {
         TimerDue(ASK),
         AT_A_CHARGER,
         replace(
-            STANDING,
-            place=AT_A_CHARGER,
-            may_ask=True,
-            authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
+            STANDING, place=AT_A_CHARGER, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))
         ),
         (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
     ),

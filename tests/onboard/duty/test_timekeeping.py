@@ -17,11 +17,7 @@ LEG_M = 2000.0
 
 @given(available_s=st.floats(60.0, 400.0), load_share=st.floats(0.0, 1.0), permille=st.floats(-10.0, 10.0))
 def test_the_lowest_speed_that_is_in_time(
-    train: TrainRow,
-    track: Callable[..., Rows],
-    available_s: float,
-    load_share: float,
-    permille: float,
+    train: TrainRow, track: Callable[..., Rows], available_s: float, load_share: float, permille: float
 ) -> None:
     path = track(np.arange(2500) * permille / 1000.0)
     elevation_m = np.ascontiguousarray(path["climb_m"])

@@ -8,13 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from onboard.localisation.fix import MISSED, NOTHING, REFUSED, TAKEN
-from onboard.localisation.lidar import (
-    LAID_WITHIN_M,
-    PASSED_BY_M,
-    SEEN_WITHIN_MPS,
-    SETBACK_M,
-    lidar,
-)
+from onboard.localisation.lidar import LAID_WITHIN_M, PASSED_BY_M, SEEN_WITHIN_MPS, SETBACK_M, lidar
 from onboard.localisation.lidar_points import CYCLE_S, KEPT_S, SPOTS
 from onboard.localisation.marker_patterns import HALF_M
 from onboard.localisation.table import READERS_ROW, READINGS

@@ -14,7 +14,8 @@ from simulation.agenda import Agenda
 from simulation.clock import Clock
 from simulation.faults.clocks import WrongClock
 from simulation.faults.devices import Frozen, PowerCut
-from simulation.faults.fault import Fault, InForce
+from simulation.faults.fault import Fault, InForce, folded_value
+from simulation.faults.lidar import LidarFog
 from simulation.faults.links import Cut, Delay, FaultyLink, disturbed
 from simulation.faults.points import NoDetection, Slow, Stuck
 from simulation.faults.rail import Slippery
@@ -151,6 +152,8 @@ def test_bounds_are_not_judged_until_the_last_of_a_tachometers_faults_is_over() 
         world.trains.premises.note_fix(0, holds=True)
         rests.append(world.trains.premises.is_false(0))
     assert rests == [False, True, True, False]
+    world.unit.bound_growth, world.tachometer.wheel_factor = 0.0, 1.1
+    assert not world.trains.premises.is_false(0)  # wheels that no fault makes wrong are the unit's own affair
 
 
 def test_power_comes_back_with_the_last_of_its_cuts() -> None:
@@ -225,6 +228,20 @@ def test_what_is_stuck_shows_what_it_showed_whatever_the_factor() -> None:
     assert world.tachometer.frozen_mps == 5.0
     world.run_to(130)
     assert (world.tachometer.gain, world.tachometer.frozen_mps) == (0.5, -1.0)
+
+
+def test_what_is_stuck_at_a_stand_is_so_for_a_second_fault_too() -> None:
+    world = World((failure(StuckOutput(target="K1"), 1.0), failure(StuckOutput(target="K1"), 2.0)))
+    world.plant.wheel_speed_mps = 0.0
+    world.run_to(15)
+    world.plant.wheel_speed_mps = 20.0
+    world.run_to(30)
+    assert world.tachometer.frozen_mps == 0.0
+
+
+def test_of_two_fogs_the_thicker_counts() -> None:
+    fogs = (LidarFog(target="K1", visibility_m=20.0), LidarFog(target="K1", visibility_m=50.0))
+    assert folded_value(100.0, fogs) == folded_value(100.0, fogs[::-1]) == 20.0
 
 
 def test_a_tag_that_is_not_read_reads_as_no_other_either() -> None:

@@ -23,15 +23,7 @@ from simulation.events import (
 from simulation.judge.checkers import Checker
 from simulation.judge.liveness import LOOKS_EVERY_S, STANDS_S
 from tests.simulation.judge.crossing_cases import CROSSING_CASES
-from tests.simulation.judge.stage import (
-    Case,
-    Stage,
-    authorised,
-    in_track,
-    on_points,
-    restarted,
-    second,
-)
+from tests.simulation.judge.stage import Case, Stage, authorised, in_track, on_points, restarted, second
 
 
 def let_in_to_t2(stage: Stage) -> Stage:
@@ -68,6 +60,20 @@ CASES = (
         restarted,
         lambda s: s.accept("A", "W", "T1").defined().bar("A").by_hand("B", "E", "T1"),
         lambda s: s.accept("A", "W", "T1").bar("A").by_hand("B", "E", "T1"),
+    ),
+    Case(
+        "claim of what one has who was accepted after it",
+        Checker.NO_DOUBLE_GRANT,
+        restarted,
+        lambda s: s.accept("B", "E", "T1").by_hand("A", "W", "T1"),
+        lambda s: s.accept("B", "E", "T1").by_hand("A", "W"),
+    ),
+    Case(
+        "freed under a train that stands, and its own again a second later",
+        Checker.INSIDE_HOLDING,
+        in_track,
+        lambda s: s.free("A", "T1").accept("A", "T1").finish(),
+        lambda s: s.free("A", "P1").accept("A", "T1").finish(),
     ),
     Case(
         "freed by the manager under the train",
@@ -179,6 +185,27 @@ CASES = (
         lambda s: s.grant("A", "P1", "T1").run_in(),
     ),
     Case(
+        "proof of an earlier grant, which was accepted since",
+        Checker.PROVEN_BEFORE_ENTRY,
+        lambda: authorised().accept("A", "W", "P1", "T1"),
+        lambda s: s.prove("A", "1", "normal", token=0).run_in(),
+        Stage.run_in,
+    ),
+    Case(
+        "proof of the train's last stay on the line",
+        Checker.PROVEN_BEFORE_ENTRY,
+        lambda: authorised().leave("A").outside("A").put("A", "W+").sign_on("A", "W", "P1", "T1"),
+        Stage.run_in,
+        lambda s: s.prove("A", "1", "normal").run_in(),
+    ),
+    Case(
+        "proof of the way there, on the way back",
+        Checker.PROVEN_BEFORE_ENTRY,
+        lambda: in_track().turn("A"),
+        lambda s: s.see("A", ("T1-", 270.0), ("normal1-", 5.0)),
+        lambda s: s.prove("A", "1", "normal").see("A", ("T1-", 270.0), ("normal1-", 5.0)),
+    ),
+    Case(
         "proof outlives the holding",
         Checker.PROVEN_BEFORE_ENTRY,
         authorised,
@@ -196,27 +223,8 @@ CASES = (
         "reported without the section under the rear",
         Checker.RELEASE_BEHIND_REAR,
         on_points,
-        lambda s: s.entry(
-            "A",
-            Reported(
-                section_ids=(
-                    "P1",
-                    "T1",
-                ),
-                token=1,
-            ),
-        ),
-        lambda s: s.entry(
-            "A",
-            Reported(
-                section_ids=(
-                    "W",
-                    "P1",
-                    "T1",
-                ),
-                token=1,
-            ),
-        ),
+        lambda s: s.entry("A", Reported(section_ids=("P1", "T1"), token=1)),
+        lambda s: s.entry("A", Reported(section_ids=("W", "P1", "T1"), token=1)),
     ),
     Case(
         "one unit not heard",

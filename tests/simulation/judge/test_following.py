@@ -7,11 +7,7 @@ import pytest
 
 import simulation.judge.checkers
 from network.model import Position
-from simulation.events import (
-    PointsMoving,
-    ProofDropped,
-    Reported,
-)
+from simulation.events import PointsMoving, ProofDropped, Reported
 from tests.simulation.judge.stage import TRAIN_M, Stage, authorised, in_track, on_points
 
 

@@ -10,13 +10,7 @@ import pytest
 from onboard.board import SENSED
 from simulation.sensors.line_sightings import PLACES_M, line_sightings
 from simulation.sensors.scene import SCENE
-from simulation.sensors.sign_camera import (
-    PAST_MARK_M,
-    SEEN_FROM_M,
-    SignCameraRow,
-    fit,
-    sign_camera,
-)
+from simulation.sensors.sign_camera import PAST_MARK_M, SEEN_FROM_M, SignCameraRow, fit, sign_camera
 from simulation.sensors.table import SENSORS_ROW
 from simulation.settings import Light, LightHours, Vision
 from simulation.setup import Setup

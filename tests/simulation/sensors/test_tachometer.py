@@ -65,3 +65,10 @@ def test_it_changes_by_no_more_than_the_settings_say(
     assert abs(1.0 / turns_more(own, scene) - 1.0) <= most * (1.0 + most) + 1e-12
     trailing = sensors.model_copy(update={"tachometer_axle": "trailing"})
     assert trailing.wheel_varies_share(2.0 * RADIUS_M) == creep
+    assert [
+        Sensors(creep_share=c, tread_conicity=t).wheels_vary for c, t in ((0, 0), (creep, 0), (0, slope))
+    ] == [
+        False,
+        creep > 0.0,
+        slope > 0.0,
+    ]

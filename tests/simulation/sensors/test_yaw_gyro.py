@@ -13,7 +13,7 @@ from simulation.faults.table import FAULTS
 from simulation.faults.yaw_gyro import Gyro, GyroBias, GyroDead, GyroNoise, GyroStuck
 from simulation.sensor_settings import Curvature
 from simulation.sensors.scene import SCENE
-from simulation.sensors.yaw_gyro import YawGyroRow, body_matrices, fit, yaw_gyro
+from simulation.sensors.yaw_gyro import YawGyroRow, body_matrices, body_turned_rad, fit, yaw_gyro
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from simulation.world.records import STOCK
@@ -49,16 +49,19 @@ def shown(row: YawGyroRow, turned_rad: np.ndarray, first_step: int = 0) -> np.nd
 def test_a_train_that_carries_none_has_none(rtri_setup: Setup) -> None:
     assert fitted(rtri_setup).fitted == 0
     assert fitted(carrying(rtri_setup)).fitted == 1
+    of_one = rtri_setup.sensors.model_copy(update={"carries_of": {"K1": (PositionSensor.CURVATURE,)}})
+    assert of_one.any_gyro and not rtri_setup.sensors.any_gyro
 
 
 def test_the_body_follows_its_bogies_late_and_turns_as_far() -> None:
     keeps, takes, turns = body_matrices(1.0, 0.3, 0.1)
-    state, angle, lag = np.zeros(2), 0.0, []
+    row: Any = np.zeros(1, dtype_of(YawGyroRow)).view(np.recarray)[0]
+    row.keeps[:], row.takes[:], row.turns[:] = keeps.ravel(), takes, turns
+    angle, lag = 0.0, []
     for step in range(200):
-        angle += float(turns[:2] @ state + turns[2] * 0.05)
-        state = keeps @ state + takes * 0.05
+        angle += body_turned_rad(row, 0.05)
         lag.append(0.05 * 0.1 * (step + 1) - angle)
-    assert state == pytest.approx([0.05, 0.0], abs=1e-6)
+    assert [row.body_radps, row.body_radps2] == pytest.approx([0.05, 0.0], abs=1e-6)
     assert lag[-1] / 0.05 == pytest.approx(2.0 * 0.3 / (2.0 * np.pi), rel=1e-6)  # the reader's delay
 
 

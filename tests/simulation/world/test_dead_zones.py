@@ -17,10 +17,9 @@ def test_a_front_is_hidden_within_the_stretch_on_either_track_and_not_beyond(kar
     for section in sections:
         own = line.pieces[section.piece_ids[0]]
         path = path_of(line, section.piece_ids, Direction.DOWN)
-        middle_m = piece.from_m + 0.6 * (piece.to_m - piece.from_m)
-        assert zones.hides(path, path.to_path_m(own.id, middle_m))
-        assert not zones.hides(path, path.to_path_m(own.id, own.from_m + 1.0))
-        assert not zones.hides(path, path.to_path_m(own.id, own.to_m - 1.0))
+        for share, hidden in ((0.49, False), (0.51, True), (0.74, True), (0.76, False)):
+            at_m = piece.from_m + share * (piece.to_m - piece.from_m)
+            assert zones.hides(path, path.to_path_m(own.id, at_m)) is hidden
     zones.put_stretches("OGN.1", ())
     path = path_of(line, sections[0].piece_ids, Direction.DOWN)
     assert not zones.hides(path, path.to_path_m(piece.id, piece.from_m + 0.6 * (piece.to_m - piece.from_m)))

@@ -12,6 +12,7 @@ from onboard.duty.records import DrivingCommand, Looked, WheelsTurning
 from onboard.unit import UnitAnswer
 from simulation.agenda import Agenda
 from simulation.cabs import Cabs
+from simulation.clock import Clock
 from simulation.journal import Journal
 from simulation.people import People
 from simulation.setup import Setup
@@ -27,10 +28,13 @@ class Parties:
 
     def __init__(self) -> None:
         self.given: list[tuple[tuple[bytes, ...], int]] = []
+        self.shown_s: list[float] = []
+        self.wakes_s: float | None = None
 
-    def advance(self, _party: str, _now_s: float, telegrams: list[bytes], told: bytes) -> Advance:
+    def advance(self, _party: str, now_s: float, telegrams: list[bytes], told: bytes) -> Advance:
         self.given.append((tuple(telegrams), len(CODEC.decode_told(told).inputs)))
-        return Advance((), CODEC.encode(DeviceSaid()), None)
+        self.shown_s.append(now_s)
+        return Advance((), CODEC.encode(DeviceSaid()), self.wakes_s)
 
     def kill(self, _party: str) -> None: ...
 
@@ -79,12 +83,26 @@ def test_without_power_what_piled_up_is_lost(wayside: tuple[WaysideWorld, Partie
     world, parties = wayside
     world.freeze(1, TERMINAL, frozen=True)
     world.advance(2, TERMINAL, [b"one"])
+    world.input(2, TERMINAL, PointsDetected("P7", None, False))
     world.power_off(3, TERMINAL)
     world.power_on(4, TERMINAL)
     world.freeze(5, TERMINAL, frozen=False)
     go_on(world, agenda, 5)
-    assert parties.given
     assert all(telegrams == () for telegrams, _ in parties.given)
+    assert sum(inputs for _, inputs in parties.given) == len(world.points_of[TERMINAL])  # as they lie now
+
+
+def test_a_device_is_shown_its_own_clock_and_woken_by_it(
+    wayside: tuple[WaysideWorld, Parties], agenda: Agenda
+) -> None:
+    world, parties = wayside
+    parties.wakes_s = 100.0
+    world.set_clock(1, TERMINAL, Clock(ahead_s=30.0))
+    go_on(world, agenda, 1)
+    assert agenda.next_step() == 700
+    parties.wakes_s = None
+    go_on(world, agenda, 700)
+    assert parties.shown_s == pytest.approx([30.1, 100.0])
 
 
 class Units:
