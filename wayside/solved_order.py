@@ -40,9 +40,7 @@ STANDS_ON = True  # off: who is overdue counts as ready this second, however lon
 def with_order(
     register: Register, days: Days, stands: Stands, index: int
 ) -> tuple[Register, tuple[Show, ...]]:
-    """The register with an order for who asks, of this minute and made since who was overdue asked; and what the journal
-    is told.
-    """
+    """The register with an order for who asks, of this minute, made since who was overdue asked; and what is shown."""
     asks = ALL if DispatcherMeans.CHANGE_TRACK in days.may else index
     last = register.solved.get(asks)
     young = last is not None and register.now_s < last.made_s + ASKED_EVERY_S

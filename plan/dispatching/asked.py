@@ -209,7 +209,7 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | 
 
 def _in_single_places(trains: Sequence[OrderTrain]) -> bool:
     """Whether nobody stands in several places, as one does that has a part of its next move."""
-    kept = (each.keeps for train in trains for each in (*train.moves, train))
+    kept = [*(train.keeps for train in trains), *(move.keeps for train in trains for move in train.moves)]
     return all(len(sections) <= 1 for sections in kept)
 
 

@@ -295,7 +295,8 @@ class _Plays:
         self.line, self._begin = line_rows(trains, ways, searched)
         self._late_s, self._asks = late_s, asks
         moves = [move for train in trains for move in train.moves]
-        tracks = {s for held in (*trains, *(way for own in ways for way in own)) for s in held.keeps}
+        kept = [*(train.keeps for train in trains), *(way.keeps for own in ways for way in own)]
+        tracks = {section for sections in kept for section in sections}
         wants = np.zeros((len(moves), len(self._begin.free)), np.int64)
         for row, way in zip(wants, (way for own in ways for way in own), strict=True):
             row[[section for section in way.needs if section not in tracks]] = 1

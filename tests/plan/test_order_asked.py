@@ -126,7 +126,7 @@ def questions_of(play: Play) -> list[OrderQuestion]:
 
 
 def test_its_reason_is_a_sentence() -> None:
-    """If the slow train waits it is 861 s late, the fast one 181 s, the third 1 s: 17 min. If it goes, 801, 781 and 1."""
+    """If the slow train waits it is 861 s late, the fast one 181, the third 1: 17 min. If it goes, 801, 781 and 1."""
     play = asked()
     assert isinstance(play.asks(0), RouteRefused)
     (held,) = [note.why for note in play.notes if isinstance(note, HeldBack)]

@@ -18,7 +18,7 @@ from tests.wayside.loop_line import Play, config_of
 from wayside import order, solved_order
 from wayside.config import OrderRule
 from wayside.journeys import Stands
-from wayside.order_question import OrderMove, OrderQuestion, OrderTrain
+from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain
 from wayside.solved_order import question_of
 
 STATIONS, LEG_S = 6, 400
@@ -98,9 +98,9 @@ def test_who_has_waited_as_long_as_may_be_goes_before_others() -> None:
 @pytest.mark.parametrize(("overdue_s", "waits"), [(30.0, True), (1500.0, False)])
 def test_who_is_overdue_is_waited_for_while_that_pays_in_the_mean(overdue_s: float, waits: bool) -> None:
     """The fast train (60 s) is overdue, the slow one (1,200 s) asks. If the fast one comes after r, to wait makes the
-    slow one later by r + 60, and to go the fast one by 1,200 - r. Of eight ways r = (overdue + 120) (2k + 1) / (15 - 2k).
-    30 s overdue: 10, 35, 68, 117, 193, 330, 650, 1,800; to wait costs 460 in the mean, to go 825. 1,500 s overdue: 116,
-    405, 794, 1,361, and four times 1,800; to go costs 286, to wait over 750 even if it goes after 15 min.
+    slow one later by r + 60, and to go the fast one by 1,200 - r. r is (overdue + 120) (2k + 1) / (15 - 2k) in way k.
+    At 30 s overdue 10, 35, 68, 117, 193, 330, 650, 1,800: to wait costs 460 in the mean, to go 825. At 1,500 s
+    116, 405, 794, 1,361, and four times 1,800; to go costs 286, to wait over 750 even if it goes after 15 min.
     """
     ways = [["0.1", "1.1"], ["1.2", "0.2"]]
     given = config_of([2, 2], ways, order=OrderRule.OPTIMAL, certificate=True, late_s=20.0)
@@ -129,3 +129,23 @@ def test_it_is_decided_otherwise_where_more_is_saved_than_chance_alone_may_show(
     assert (statistics.mean(saved_s) >= max(60.0, error)) == better
     usual = [1000] * len(saved_s)
     assert is_better([1000 - saved for saved in saved_s], usual, usual) == better
+
+
+@pytest.mark.parametrize("hears", [True, False])
+def test_what_was_decided_ends_once_one_has_gone_that_was_waited_for(
+    hears: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two ask, and each is asked about alone. The third waits for both moves of the fast one; one later it is new."""
+    monkeypatch.setattr(solved_order, "HEARS", hears)
+    play, found = asked_play(), list[int]()
+
+    def solver(question: OrderQuestion) -> OrderAnswer:
+        found.append(question.asks)
+        return OrderAnswer((2, 2, 1) if question.asks == 1 else (2,), otherwise_s=0)
+
+    play.register = replace(play.register, plan=dataclasses.replace(play.register.plan, solver=solver))
+    assert isinstance(play.asks(1), RouteRefused)
+    assert isinstance(play.asks(2), RouteGranted)
+    play.now_s = ASKS_S + 10.0
+    play.asks(1)
+    assert found == [1, 2, *([1] if hears else [])]
