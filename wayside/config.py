@@ -75,7 +75,7 @@ class OrderRule(Enum):
     PLANNED = "planned"  # as planned, until the train that is first is late
     LEAST_DELAY = "least_delay"  # as planned; beyond that, which of the two first delays all trains less
     OPTIMAL = (
-        "optimal"  # as planned; where a train is late beyond that, the order of all that delays all least
+        "optimal"  # as planned; where a train is late beyond that, what delays all least in the mean
     )
 
 
