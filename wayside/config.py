@@ -74,9 +74,7 @@ class OrderRule(Enum):
     FIRST_COME = "first_come"  # who asks first
     PLANNED = "planned"  # as planned, until the train that is first is late
     LEAST_DELAY = "least_delay"  # as planned; beyond that, which of the two first delays all trains less
-    OPTIMAL = (
-        "optimal"  # as planned; where a train is late beyond that, the order of all that delays all least
-    )
+    OPTIMAL = "optimal"  # as planned; where a train is late beyond that, what delays all least in the mean
 
 
 class JourneyMove(msgspec.Struct, frozen=True, array_like=True):

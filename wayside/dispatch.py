@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from math import inf
 from typing import Final
 
@@ -25,8 +24,8 @@ from wayside.certificate import STEPS_MAX, CertificateAnswer, CertificateProof, 
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress, Days, LastCertificate, LastSearch, Stands, next_hop
 from wayside.moves import Train
-from wayside.order import beginnings, is_disturbed, turn_of
-from wayside.order_question import LastOrder, OrderAnswer
+from wayside.order import is_disturbed, turn_of
+from wayside.order_question import ALL, LastOrder, OrderAnswer
 from wayside.parts import free_part
 from wayside.places import stands_of
 from wayside.register import Against, Register
@@ -134,8 +133,8 @@ def order_now(
     if days.order is not OrderRule.OPTIMAL or not is_disturbed(register, days, stands, index):
         return register, None, ()
     asking = register.asking(days.unit_ids[index])
-    register, shows = with_order(asking, days, stands, partial(beginnings, asking, days, stands, index))
-    return register, register.solved, shows
+    register, shows = with_order(asking, days, stands, index)
+    return register, register.solved.get(index, register.solved.get(ALL)), shows
 
 
 class _Weighing:

@@ -3,7 +3,7 @@
 Planned is that the train goes first that is to leave first by the timetable. That order is kept while the train that
 is first is less late than `late_s`. Beyond that it is left to who asks first (`planned`), or both orders are played
 through in blocks and minutes for all trains of the line, and the one with less delay is taken (`least_delay`); or it
-is the order of all of them that delays all least (`optimal`), as soon as any train that is to go there is so late.
+is what delays all least in the mean (`optimal`), as soon as any train that is to go there is so late.
 Nobody waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max`
 trains have gone before it; nor does it let a train on before one that was overtaken so often. In an order of all of
 them each train has its place, whatever goes before it: there the time alone bounds how long it waits, and who has
@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 
 from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import OrderRule
-from wayside.journeys import DayProgress, Days, PlannedMove, Stands, could_leave_s, overdue_s
+from wayside.journeys import DayProgress, Days, PlannedMove, Stands, could_leave_s
 from wayside.moves import bits_of
 from wayside.order_question import LastOrder, OrderAnswer
 from wayside.register import Register
@@ -28,8 +28,6 @@ AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
 BOUNDED = True  # off: a train waits for its turn for as long as the order has it
 GOES_FIRST = True  # off: who has waited as long as may be goes first, whether it could go or not
-LOOK_S: Final = 60.0  # assumed: for how long a train is held on the chance that another comes
-LOOKS_ON = True  # off: who is overdue is waited for only if it is worth it for as long again
 BY_TIME = True  # off: who was overtaken `overtaken_max` times goes first in an order of all trains, too
 GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
 
@@ -78,15 +76,6 @@ def turn_of(
     return changed
 
 
-def beginnings(register: Register, days: Days, stands: Stands, index: int) -> tuple[tuple[int, ...], ...]:
-    """The first moves of the orders among which `least_delay` chooses: the train goes now, or after each of those that
-    are planned before it.
-    """
-    firsts = _planned_first(register, days, stands, index)
-    coming = (_coming(days, stands, index, first) for first in firsts)
-    return ((index,), *(moves for moves in coming if moves is not None))
-
-
 def would_starve(register: Register, days: Days, stands: Stands, index: int) -> bool:
     """Whether another waits for line that this train wants, and has as long as may be, or was overtaken as often."""
     for first in _rivals(register, days, stands, index):
@@ -118,6 +107,9 @@ class _Solved:
 
 def cost_of(answer: OrderAnswer) -> str:
     """What an order costs, in words."""
+    if answer.otherwise_s is not None:
+        other = _minutes(answer.otherwise_s)
+        return f"{_minutes(answer.delay_s)} min late in all in the mean, the other way {other}"
     proof = "the best order" if answer.delay_s <= answer.bound_s else "the best order known"
     return f"{_minutes(answer.delay_s)} min late in all in {proof}"
 
@@ -241,8 +233,6 @@ def _before(
         why = f"{waits}, {often if other.overtaken else 'which has waited as long as it may'}"
     elif order is not None and order.is_first(first, index):
         why = f"{waits}: {order.cost()}"
-    elif order is not None and (why := _may_come_soon(register, days, stands, index, first, coming, order)):
-        why = f"{waits}, {late}: {why}"
     elif order is not None:
         return Precedence(first.index, True, f"{goes}, {late}: {order.cost()}")
     elif first.late_s < days.late_s:
@@ -316,47 +306,14 @@ def _least_delay(
     return Precedence(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
 
 
-def _may_come_soon(
-    register: Register,
-    days: Days,
-    stands: Stands,
-    index: int,
-    first: _First,
-    coming: tuple[int, ...],
-    order: _Solved,
-) -> str:
-    """Why a train waits for one that is overdue, though it is not expected in time; empty: it does not.
-
-    Who has been overdue for so long comes within the next while with the chance of that to the sum of both: as likely
-    as not, then, after as long again. What that saves times the chance, against what waiting in vain costs.
-    """
-    unit_id = days.unit_ids[first.index]
-    held = sum(days.bits[section_id] for section_id in register.held_by(unit_id))
-    stood_s = overdue_s(days, stands, first.index, register.trip(unit_id), held, register.now_s)
-    if not LOOKS_ON or order.answer is None or stood_s <= 0.0:
-        return ""
-    going, coming_now = (delay_s(register, days, stands, begins) for begins in ((index,), coming))
-    in_vain = delay_s(register, days, stands, (index,), (index, LOOK_S))
-    if going is None or coming_now is None or in_vain is None:
-        return ""
-    chance = LOOK_S / (LOOK_S + stood_s)
-    if chance * (going - coming_now) <= (1.0 - chance) * (in_vain - going):
-        return ""
-    return f"{_minutes(coming_now)} min late in all if it comes now, the other way {_minutes(going)}"
-
-
 def delay_s(
     register: Register,
     days: Days,
     stands: Stands,
     begins: Sequence[int],
-    later: tuple[int, float] | None = None,
 ) -> float | None:
-    """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so.
-
-    `later`: a stock that is not ready before so many seconds from now.
-    """
-    moves = played_through(register, days, stands, begins, later)
+    """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so."""
+    moves = played_through(register, days, stands, begins)
     if moves is None:
         return None
     until_s = register.now_s + AHEAD_S
@@ -383,7 +340,6 @@ def played_through(
     days: Days,
     stands: Stands,
     begins: Sequence[int] = (),
-    later: tuple[int, float] | None = None,
 ) -> list[PlayedMove] | None:
     """All moves still to be made, in blocks and minutes, if these come first; None: not all finish so."""
     after = stands
@@ -394,8 +350,6 @@ def played_through(
         return None
     at = list(stands.at)
     ready_s = [_ready_s(register, days, stands, index) for index in range(len(at))]
-    if later is not None:
-        ready_s[later[0]] = max(ready_s[later[0]], register.now_s + later[1])
     holds = list(stands.holds)
     free_s: dict[int, float] = {}
     moves: list[PlayedMove] = []

@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 import msgspec
+
+ALL: Final = -1  # the order is asked for all, not for one that asks
 
 
 class OrderWay(msgspec.Struct, frozen=True, array_like=True):
@@ -38,18 +41,22 @@ class OrderMove(msgspec.Struct, frozen=True, array_like=True):
 
 
 class OrderTrain(msgspec.Struct, frozen=True, array_like=True):
-    """A stock: it has `holds` until it has come, in `comes_s`, to where it `keeps` a section, ready `ready_s` later."""
+    """A stock: it has `holds` until it has come, in `comes_s`, to where it `keeps` a section, ready `ready_s` later.
+
+    `stood_s`: for how long it is overdue and has not asked; then nobody knows when it is ready.
+    """
 
     holds: tuple[int, ...]
     comes_s: int
     keeps: tuple[int, ...]
     ready_s: int
     moves: tuple[OrderMove, ...]
+    stood_s: int = 0
 
 
 class OrderQuestion(msgspec.Struct, frozen=True, array_like=True):
     """All stock, what is left of the order found last, with the `ends` of its moves, how far is looked ahead, and how
-    much the solver may work. `begins`: first moves of other orders, than which none may be worse.
+    much the solver may work. `asks`: which of them, if it is asked for one; `late_s`: from when on the plan is left.
     """
 
     trains: tuple[OrderTrain, ...]
@@ -57,14 +64,15 @@ class OrderQuestion(msgspec.Struct, frozen=True, array_like=True):
     ahead_s: int
     work_max: float
     ends: tuple[int, ...] = ()
-    begins: tuple[tuple[int, ...], ...] = ()
+    asks: int = ALL
+    late_s: int = 0
 
 
 class OrderAnswer(msgspec.Struct, frozen=True, array_like=True):
     """Trains by index in the order in which their moves begin, all delay in it, and below which there is none, s.
 
     `lacking`: why there is no order; empty where there is one. `ends`: for each of the order the section where its move
-    ends, -1 off the line.
+    ends, -1 off the line. `otherwise_s`: where one asks, all delay in the mean if it does not as the order has it.
     """
 
     order: tuple[int, ...] = ()
@@ -72,6 +80,7 @@ class OrderAnswer(msgspec.Struct, frozen=True, array_like=True):
     bound_s: int = 0
     lacking: str = ""
     ends: tuple[int, ...] = ()
+    otherwise_s: int | None = None
 
 
 OrderSolver = Callable[[OrderQuestion], OrderAnswer]

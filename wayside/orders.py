@@ -25,6 +25,7 @@ from wayside.dispatch import DispatchRequest, order_now, weigh_request
 from wayside.heard import Heard
 from wayside.journeys import DayProgress, Days, LastCertificate, Stands
 from wayside.order import BOUNDED, cost_of, would_starve
+from wayside.order_question import ALL
 from wayside.places import stands_of
 from wayside.reentry import Step
 from wayside.register import Against, Register
@@ -188,7 +189,7 @@ class _Ordering:
         reason, section_id, holder = against
         if reason not in (RefusalReason.HELD, RefusalReason.NO_WAY_ON) or not self._may_change():
             return None
-        solved = self.register.solved
+        solved = self.register.solved.get(ALL)
         if (
             solved is not None
             and not solved.answer.lacking

@@ -177,7 +177,7 @@ class Register(msgspec.Struct, frozen=True):
     trips_lost: bool = False
     kept: LastCertificate | None = None
     sought: LastSearch | None = None
-    solved: LastOrder | None = None
+    solved: Mapping[int, LastOrder] = msgspec.field(default_factory=dict[int, LastOrder])
     now_s: float = 0.0
     days: Days | None = None
     tracks: Mapping[str, Mapping[int, str]] = msgspec.field(default_factory=dict[str, Mapping[int, str]])

@@ -1,18 +1,17 @@
-"""The order of all trains that delays them least, as a solver finds it (`[dispatch] order = "optimal"`).
+"""What is best for all trains, as a process beside the manager finds it (`[dispatch] order = "optimal"`).
 
 Asked is what the manager knows and nothing else: the planned times of the moves, how late each train was when it left
-last, and what each holds. Nobody tells it for how long a train that is due will not ask: it is expected after as long
-again, for if it counted as ready this second, and the next, others would wait for it minute by minute. The moves are
-those that are planned to begin in the next two hours: at that time of the plan all trains stand where they have room.
-Where trains have gone out of their turn and could not all come to these places, further moves are asked for, with which
-they can: there is an order whenever there is one for the day.
+last, what each holds, and for how long one is due that has not asked. Whether the train that asks goes now is asked for
+each train alone and played through (`plan.dispatching.chances`). Where tracks may be changed, an order of all is solved
+instead; there who is overdue is expected after as long again. The moves are those that are planned to begin in the next
+two hours: at that time of the plan all trains stand where they have room. Where trains have gone out of their turn and
+could not all come to these places, further moves are asked for, with which they can.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from functools import partial
 from typing import Final
 
@@ -23,7 +22,7 @@ from wayside.certificate import CertificateProof, finishing_order
 from wayside.config import DispatcherMeans
 from wayside.journeys import Days, PlannedMove, Stands, could_leave_s, overdue_s
 from wayside.moves import Move
-from wayside.order_question import LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
+from wayside.order_question import ALL, LastOrder, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 from wayside.register import Register
 from wayside.said import OrderLacking
 
@@ -39,36 +38,38 @@ STANDS_ON = True  # off: who is overdue counts as ready this second, however lon
 
 
 def with_order(
-    register: Register, days: Days, stands: Stands, begins: Callable[[], tuple[tuple[int, ...], ...]]
+    register: Register, days: Days, stands: Stands, index: int
 ) -> tuple[Register, tuple[Show, ...]]:
-    """The register with an order of this minute, made since who was overdue asked; and what the journal is told.
-
-    `begins`: first moves of the orders than which it may not be worse.
-    """
-    last = register.solved
+    """The register with an order for who asks, of this minute, made since who was overdue asked; and what is shown."""
+    asks = ALL if DispatcherMeans.CHANGE_TRACK in days.may else index
+    last = register.solved.get(asks)
     young = last is not None and register.now_s < last.made_s + ASKED_EVERY_S
     if last is not None and young and not _has_news(register, days, stands, last):
         return register, ()
-    question = replace(question_of(register, days, stands), begins=begins())
+    question = replace(question_of(register, days, stands), asks=asks, late_s=math.ceil(days.late_s))
     answer = register.plan.solver(question)
     if not _of_these(question, answer):
         answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
-    said = "" if last is None else last.answer.lacking
-    shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking != said else ()
+    said = {each.answer.lacking for each in register.solved.values()}
+    shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking not in said else ()
     held = _held(register, days)
     awaited = tuple(
         index
         for index, unit_id in enumerate(days.unit_ids)
         if overdue_s(days, stands, index, register.trip(unit_id), held[unit_id], register.now_s)
     )
-    return replace(register, solved=LastOrder(register.now_s, stands.at, answer, awaited)), shows
+    made = LastOrder(register.now_s, stands.at, answer, awaited)
+    return replace(register, solved={**register.solved, asks: made}), shows
 
 
 def _has_news(register: Register, days: Days, stands: Stands, last: LastOrder) -> bool:
-    """Whether a train asks, or was let on, that was overdue when the order was made, and so expected later."""
-    return HEARS and any(
-        stands.at[index] != last.at[index] or register.trip(days.unit_ids[index]).asked_s is not None
-        for index in last.awaited
+    """Whether a train asks, or was let on, that was overdue when the order was made, and so expected later; or one has
+    gone that was waited for.
+    """
+    chosen = () if last.answer.otherwise_s is None else last.answer.order
+    return HEARS and (
+        any(stands.at[index] != last.at[index] for index in {*last.awaited, *chosen})
+        or any(register.trip(days.unit_ids[index]).asked_s is not None for index in last.awaited)
     )
 
 
@@ -95,7 +96,7 @@ def question_of(register: Register, days: Days, stands: Stands) -> OrderQuestion
         _train(register, days, stands, index, held[unit_id], ahead[index])
         for index, unit_id in enumerate(days.unit_ids)
     )
-    last = register.solved
+    last = register.solved.get(ALL)
     order = () if last is None else tuple(index for index, _ in last.left(stands.at))
     ends = () if last is None or not days.may else last.ends_left(stands.at)
     return OrderQuestion(tuple(trains), order, math.ceil(AHEAD_S), WORK_MAX, ends)
@@ -131,6 +132,7 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     comes_s, stands_s = 0, could_leave_s(days, stands, index, trip)
     if at and trip.asked_s is None:
         comes_s = max(0, math.ceil(hops[at - 1].arrives_s + trip.late_s - now_s))
+    stood_s = 0.0
     if STANDS_ON:
         stood_s = overdue_s(days, stands, index, trip, held, now_s)
         stands_s = max(stands_s, now_s + STANDS_AGAIN * stood_s if stood_s else stands_s)
@@ -148,7 +150,7 @@ def _train(register: Register, days: Days, stands: Stands, index: int, held: int
     )
     if DispatcherMeans.CHANGE_TRACK in days.may:
         moves = _with_others(register, days, index, at, moves)
-    return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves)
+    return OrderTrain(_sections(days, held), comes_s, keeps, ready_s, moves, math.ceil(stood_s))
 
 
 def _with_others(

@@ -15,7 +15,7 @@ from typing import Final
 import msgspec
 from msgspec.structs import replace
 
-from plan.dispatching.beam import beam_orders
+from plan.dispatching.chances import chance_order, rule_orders
 from plan.dispatching.checker import cost_of
 from plan.dispatching.instance import (
     Instance,
@@ -30,7 +30,7 @@ from plan.dispatching.solver import Answer, solve
 from wayside.certificate import CertificateProof, finishing_order, follows
 from wayside.moves import Move
 from wayside.moves import Train as WaysideTrain
-from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
+from wayside.order_question import ALL, OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay
 
 MOVES_MAX: Final = (
     180  # assumed: making the model of more takes longer than solving it may; then a search extends it
@@ -38,7 +38,8 @@ MOVES_MAX: Final = (
 CHOICES_MAX: Final = 24  # assumed: ways besides the planned ones, of moves that come first
 NEAR: Final = 3  # assumed: forty minutes of two hours are mostly proven in a tenth of a second
 
-BEAM = True  # off: the solver begins with the order of the plan, or the last one
+CHANCES = True  # off: what is overdue is ready when it is expected, and the solver's order is kept
+RULES = True  # off: the solver begins with the order of the plan, or the last one
 ANYWHERE: Final = -1  # a move of which is not said from where: it has one way
 OFF_LINE: Final = -1
 PLANNED: Final = -2
@@ -46,12 +47,14 @@ Order = tuple[tuple[int, int], ...]  # trains, and where the move of each ends
 
 
 def answer_to(question: OrderQuestion) -> OrderAnswer:
-    """The best order found by the work allowed; no worse than those that it is told of.
+    """What is best for one that asks; else the best order found by the work allowed, no worse than the last one.
 
     Where there are tracks to choose, a third of the time ahead is solved first, with them alone, and then all with what
     was chosen; where that costs anything or leads nowhere, all of it is looked at once more with all tracks, by the
     work that is left: a bound is of all that could be done.
     """
+    if CHANCES and question.asks != ALL and _in_single_places(question.trains):
+        return chance_order(question, *_as_planned(question.trains))
     asked = [
         index for index, train in enumerate(question.trains) if train.moves or train.holds or train.keeps
     ]
@@ -71,7 +74,6 @@ def answer_to(question: OrderQuestion) -> OrderAnswer:
         spent = near.work
         own = [[end for each, end in begins[0] if each == index] for index in range(len(trains))]
         trains = [_fixed(train, ends) for train, ends in zip(trains, own, strict=True)]
-    begins += [tuple((asked.index(i), PLANNED) for i in first if i in asked) for first in question.begins]
     known = _known(trains, [(), *(_of_these(trains, begun) for begun in begins)])
     found = Answer(None, 0, impossible=False, work=spent)
     if known is not None:
@@ -198,12 +200,23 @@ def _known(trains: Sequence[OrderTrain], begins: Iterable[Order]) -> Solution | 
             found = finishing_order(rest)
             if found.proof is CertificateProof.ORDER:
                 solutions.append(_played(instance, trains, ways, (*first, *found.order)))
-    if BEAM:
-        ways = [_ways(train, ()) for train in trains]
-        searched = [_searched(train, own, late=False) for train, own in zip(trains, ways, strict=True)]
-        beams = beam_orders(trains, ways, searched)
-        solutions += [_played(instance, trains, ways, order) for order in beams]
+    if RULES and _in_single_places(trains):
+        ways, searched = _as_planned(trains)
+        orders = rule_orders(trains, ways, searched)
+        solutions += [_played(instance, trains, ways, order) for order in orders]
     return min(solutions, key=lambda solution: solution.objective_value, default=None)
+
+
+def _in_single_places(trains: Sequence[OrderTrain]) -> bool:
+    """Whether nobody stands in several places, as one does that has a part of its next move."""
+    kept = [*(train.keeps for train in trains), *(move.keeps for train in trains for move in train.moves)]
+    return all(len(sections) <= 1 for sections in kept)
+
+
+def _as_planned(trains: Sequence[OrderTrain]) -> tuple[list[list[OrderWay]], list[WaysideTrain]]:
+    """The ways of all as they are planned, and the trains as the search for any order takes them."""
+    ways = [_ways(train, ()) for train in trains]
+    return ways, [_searched(train, own, late=False) for train, own in zip(trains, ways, strict=True)]
 
 
 def _ways(train: OrderTrain, ends: Sequence[int]) -> list[OrderWay]:

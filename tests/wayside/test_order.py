@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from radio.messages import RefusalReason, RouteGranted, RouteRefused
 from tests.wayside.loop_line import Play, config_of
-from wayside import order, solved_order
+from wayside import solved_order
 from wayside.config import OrderRule
 from wayside.journeys import DayProgress
 from wayside.order import is_disturbed, played_through
@@ -151,31 +151,6 @@ def test_nobody_waits_for_a_train_that_may_not_go_by_the_certificate(certificate
     play = Play(config, ways, now_s=300.0)
     play.register = play.register.with_trip("u0", DayProgress(asked_s=200.0, overtaken=2))
     assert isinstance(play.asks(1), RouteGranted if certificate else RouteRefused)
-
-
-@pytest.mark.parametrize(("overdue_s", "waits"), [(269.0, True), (271.0, False)])
-@pytest.mark.parametrize("looks_on", [True, False])
-def test_who_is_overdue_is_waited_for_while_that_is_worth_the_chance(
-    overdue_s: float, waits: bool, looks_on: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The fast train (a minute) is overdue, the slow one (ten) asks, and goes first by the order found. If the fast one
-    came now and went first, the two would be 540 s less late; a minute waited in vain makes them 120 s later. So the
-    slow one waits while 60 s of chance are worth it: 60 * 540 > overdue * 120, up to 270 s.
-    """
-    if not looks_on:
-        monkeypatch.setattr(order, "LOOKS_ON", False)
-    config = config_of(TRACKS, WAYS, order=OrderRule.OPTIMAL)
-    fast, slow = config.dispatch.journeys
-    slow = replace(slow, moves=tuple(replace(m, arrives_s=m.departs_s + 600.0) for m in slow.moves))
-    given = replace(config.dispatch, journeys=(fast, slow))
-    play = Play(replace(config, dispatch=given), WAYS, now_s=FIRST_DUE_S + overdue_s)
-    plan = dataclasses.replace(play.register.plan, solver=lambda _: OrderAnswer((1, 0)))
-    play.register = replace(play.register, plan=plan)
-    assert isinstance(play.asks(1), RouteRefused if waits and looks_on else RouteGranted)
-    said = (
-        "1 waits for 0, planned first; it is 4 min late: 9 min late in all if it comes now, the other way 18"
-    )
-    assert why_held(play) == [said] * (waits and looks_on)
 
 
 @pytest.mark.parametrize("let_on", [True, False])
