@@ -44,6 +44,8 @@ def test_a_run_directory_is_read_back_and_compared(
     told = main("blocking", str(tmp_path / "run"), "--theory")
     assert "0 conflicts" in told.out
     assert "run alone; whole: mean +5.0 s, greatest +9.0 s\n" in told.out
+    made_up = main("blocking", str(tmp_path / "run"), "--theory", "--json").figures()["compared"]
+    assert (made_up["whole_mean_s"], made_up["whole_worst_s"]) == (5.0, 9.0)
     assert re.search(r"^run +100\.00 +105\.00 +\+5\.00 +\+9\.00  1 in T: ", told.out, re.MULTILINE)
 
 
