@@ -129,8 +129,7 @@ def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_
         session.run_to((TEN - 100) * STEPS_PER_S)
         wrong = act(desk, Seat.DISPATCHER, "hold_train", target="K1", behind="K2")
         assert not wrong.good and "over which section" in wrong.why
-        barred = act(desk, Seat.DISPATCHER, "bar_unit", target="K2")
-        assert barred.good  # right, and waits for a second person
+        assert act(desk, Seat.DISPATCHER, "bar_unit", target="K2").good  # waits for a second person
         assert act(desk, Seat.DISPATCHER, "let_go", target="K1").good  # heard, and refused by the manager
         session.run_to((TEN - 90) * STEPS_PER_S)
         said = session.line.events[-1].shown
