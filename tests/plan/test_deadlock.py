@@ -120,8 +120,7 @@ def test_routes_in_a_circle_are_refused(tmp_path: Path) -> None:
     file = situation(tmp_path / "s.json", ("w", 5))
     file.write_text(file.read_text().replace('"next_routes": ["out"]', '"next_routes": ["w", "out"]'))
     result = CliRunner().invoke(app, ["best", "deadlock", str(file)])
-    assert isinstance(result.exception, InputError)
-    assert "circle" in str(result.exception)
+    assert isinstance(result.exception, InputError) and "circle" in str(result.exception)
 
 
 def test_the_command_says_who_is_in_whose_way(tmp_path: Path) -> None:
