@@ -35,7 +35,7 @@ def export_displib(
     write_bytes_aside(out, msgspec.json.encode(instance), b"{")
     operations = sum(map(len, instance.trains))
     if as_json:
-        figures = {"file": str(out), "trains": len(instance.trains), "operations": operations}
+        figures = {"file": str(out), "sets": len(instance.trains), "operations": operations}
         print_json(figures | {"delays": len(instance.objective)}, Outcome.GOOD)
         return
     text = f"{len(instance.trains)} sets, {operations} operations, {len(instance.objective)} trains that may be late"

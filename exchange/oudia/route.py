@@ -173,10 +173,10 @@ def left_of(dia: OudiaDia) -> tuple[str, ...]:
         (sum(bool(train.name) for train in dia.trains), "names of trains (列車名)"),
         (
             sum(train.others for train in dia.trains),
-            "operations on the way: shunting, coupling, change of number",
+            "operations on the way (shunting, coupling, change of number)",
         ),
     )
-    return tuple(f"{count} {what}" for count, what in counts if count)
+    return tuple(f"{what}: {count}" for count, what in counts if count)
 
 
 def _station(node: OudiaNode) -> OudiaStation:

@@ -43,7 +43,7 @@ def _draw_hops(
                 + (np.linspace(-0.12, 0.12, len(values_s)) if len(values_s) > 1 else np.zeros(1))
             )
             bad = values_s < 0.0
-            shown = label if column == 0 else "_"
+            shown = "_" if label in axes.get_legend_handles_labels()[1] else label
             dots(axes, x[~bad], values_s[~bad], "o", 2.6, colour, mew=0, label=shown)
             dots(axes, x[bad], values_s[bad], "o", 3.2, RED, mew=0)
     axes.axhline(0, color=PALE, lw=0.7)

@@ -1,6 +1,5 @@
 """`branchline arrange`: from departures alone to a day that `check` lets through."""
 
-import json
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -71,9 +70,8 @@ def test_trains_meet_at_a_signal_station_that_nobody_prints(
     main: Callable[..., Any], hill: Callable[[str], None], tmp_path: Path
 ) -> None:
     hill("10:00")
-    arranged = main(
-        "arrange", "hill.toml", "day.toml", "made.toml", "--train", "br642", "--scenario", "run.toml"
-    )
+    asked = ("made.toml", "--train", "br642", "--scenario", "run.toml")
+    arranged = main("arrange", "hill.toml", "day.toml", *asked)
     assert arranged.code == 0, arranged
     assert "printed times moved: 0 of 3" in arranged.out
     assert "stops added: Kido" in arranged.out
@@ -98,12 +96,13 @@ def test_what_has_to_move_further_than_it_may_is_named_and_ends_in_1(
 ) -> None:
     hill("10:00")
     day = tmp_path / "day.toml"
-    day.write_text(
-        day.read_text("utf-8").replace('arrival = "10:20" }', 'arrival = "10:01:20" }', 1), "utf-8"
-    )
+    text = day.read_text("utf-8")
+    day.write_text(text.replace('arrival = "10:20" }', 'arrival = "10:01:20" }', 1), "utf-8")
     found = main("arrange", "hill.toml", "day.toml", "--limit", "60", "--train", "br642")
     assert found.code == 1
     assert re.search(r"least that would do:\n  1 \+\d+ s at Bato \(arrival printed 10:01\)", found.out)
+    furthest_s = max(int(by_s) for by_s in re.findall(r"[+-](\d+) s at", found.out))
+    assert f"; this one moves none by more than {furthest_s} s\n" in found.out
 
 
 @pytest.mark.parametrize(
@@ -207,11 +206,10 @@ SAME_MINUTE = [
 
 def test_two_of_the_same_way_stand_beside_each_other(main: Callable[..., Any], tmp_path: Path) -> None:
     """Both are printed in the same minutes, and wait at Kido: who follows needs the time of a run, not of the wait."""
-    found = _day_at_kido(main, tmp_path, "".join(SAME_MINUTE))(
-        "made.toml", "--scenario", "run.toml", "--json"
-    )
+    arrange_day = _day_at_kido(main, tmp_path, "".join(SAME_MINUTE))
+    found = arrange_day("made.toml", "--scenario", "run.toml", "--json")
     # 3 km at 85 km/h take 127 s; starting and stopping at 0.8 m/s2 and less, and the way set, a minute or two more.
-    moved_s = [move["by_s"] for move in json.loads(found.out)["moves"]]
+    moved_s = [move["by_s"] for move in found.figures()["moves"]]
     assert 127 + 30 < max(moved_s) < 127 + 120
     assert {_calls(tmp_path / "made.toml", number)["KID"].track for number in ("1", "3")} != {None}
     checked = main("check", "run.toml")
@@ -312,6 +310,13 @@ def test_a_train_with_one_call_has_no_blocking_times(
     assert not (tmp_path / "one.json").exists()
 
 
+def test_what_is_exported_as_displib_is_counted_alike_in_text_and_json(main: Callable[..., Any]) -> None:
+    asked = ("export", "displib", "karasuyama_round_trip", "day.json")
+    count = main(*asked, "--json").figures()
+    text = f": {count['sets']} sets, {count['operations']} operations, {count['delays']} trains that may be late\n"
+    assert main(*asked).out.endswith(text)
+
+
 def test_tracks_that_would_do_are_named(main: Callable[..., Any], tmp_path: Path) -> None:
     # Two sets begin at Kido and end at Asa; no station has more than one track.
     found = _day_at_kido(main, tmp_path, "".join(AT_KIDO[:2]), tracks=1, ends=1)()
@@ -328,8 +333,8 @@ def test_the_halt_where_trains_could_meet_is_named(main: Callable[..., Any], tmp
     assert main("new", "line", "hill.csv", "hill.toml").code == 0
     found = main("arrange", "hill.toml", "day.toml", "--limit", "60", "--train", "br642", "--json")
     assert found.code == 1, found
-    assert json.loads(found.out)["lacking"]["by_station"] == {"KID": 1}
-    assert sorted(json.loads(found.out)["lacking"]["trains"]["KID"]) == ["1", "2"]
+    assert found.figures()["lacking"]["by_station"] == {"KID": 1}
+    assert sorted(found.figures()["lacking"]["trains"]["KID"]) == ["1", "2"]
 
 
 def test_the_signal_station_between_two_stations_is_named(main: Callable[..., Any], tmp_path: Path) -> None:
@@ -364,11 +369,8 @@ def test_printed_minutes_that_are_coarse_show_no_meet_between_stations(
 
 def test_trains_that_come_and_go_by_portals_stand_nowhere(main: Callable[..., Any], tmp_path: Path) -> None:
     """Three trains each way by two tracks at each end: no set stands there, neither before its train nor after it."""
-    stations = (
-        STATIONS.replace("kind", "kind,end")
-        .replace("2,\n", "2,,portal\n")
-        .replace("signal station", "signal station,")
-    )
+    stations = STATIONS.replace("kind", "kind,end").replace("2,\n", "2,,portal\n")
+    stations = stations.replace("signal station", "signal station,")
     (tmp_path / "pass.csv").write_text(stations, "utf-8")
     assert main("new", "line", "pass.csv", "pass.toml").code == 0
     ends = {"down": ("ASA", "BAT"), "up": ("BAT", "ASA")}

@@ -129,9 +129,7 @@ def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_
         session.run_to((TEN - 100) * STEPS_PER_S)
         wrong = act(desk, Seat.DISPATCHER, "hold_train", target="K1", behind="K2")
         assert not wrong.good and "over which section" in wrong.why
-        assert act(
-            desk, Seat.DISPATCHER, "bar_unit", target="K2"
-        ).good  # right, and waits for a second person
+        assert act(desk, Seat.DISPATCHER, "bar_unit", target="K2").good  # waits for a second person
         assert act(desk, Seat.DISPATCHER, "let_go", target="K1").good  # heard, and refused by the manager
         session.run_to((TEN - 90) * STEPS_PER_S)
         said = session.line.events[-1].shown
@@ -224,10 +222,12 @@ def test_nobody_has_recovered_while_a_train_stands_and_what_it_loses_grows(tmp_p
         assert [score["faults"][0]["recovered_s"] for score in seen[1:]] == [None] * 3
         assert [score["lost_train_minutes"] for score in seen] == [0.0, 1.33, 5.35, 6.5]
         assert seen[-1]["faults"][0]["shown_s"] == pytest.approx(400.0, abs=20.0)  # it starts again
+        assert not act(desk, Seat.DISPATCHER, "hold_train", target="K9").good
         stops = session.run_to_end().stops
         ended = scored(desk)
     came = {(s.number, s.station_id): s.arrival_s or 0.0 for s in stops}
     assert ended["faults"][0]["recovered_s"] == pytest.approx(came["T3", "B"] - TEN - 40.1, abs=0.1)
+    assert ended["faults"][0]["acted_s"] == pytest.approx(510.0 - 40.1)
     lost_s = came["T1", "B"] - TEN - 120 + came["T3", "B"] - TEN - 540
     assert ended["lost_train_minutes"] == pytest.approx(lost_s / 60.0, abs=0.01)
 

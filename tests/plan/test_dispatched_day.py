@@ -176,9 +176,7 @@ def test_a_solution_names_each_move_of_the_manager_once(setup: Setup, late: Disp
 
 @pytest.mark.nightly
 def test_export_solve_import(tmp_path: Path) -> None:
-    problem, solved, ordered = (
-        str(tmp_path / name) for name in ("day.json", "solution.json", "ordered.toml")
-    )
+    problem, solved, ordered = (str(tmp_path / n) for n in ("day.json", "solution.json", "ordered.toml"))
     for command in (
         ["export", "displib", "karasuyama_late", problem, "--seed", "7"],
         ["best", "displib", problem, "--work", "1", "--out", solved],

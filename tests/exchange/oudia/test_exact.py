@@ -1,6 +1,7 @@
 """A timetable that is written as an OuDiaSecond file is read back the same; what somebody has taken away is said."""
 
 import re
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -60,6 +61,11 @@ def test_any_timetable_is_read_back_the_same(name: str, data: st.DataObject) -> 
 def test_any_timetable_keeps_its_times_without_what_we_wrote_beside_it(data: st.DataObject) -> None:
     timetable = data.draw(timetables(KARASUYAMA, fastest_mps=50.0))
     text = oudia_of(KARASUYAMA, timetable).encoded().decode("utf-8-sig")
+    apart_s = [int(found) for found in re.findall(r"^NextEkiDistance=(.*)$", text, re.MULTILINE)]
+    at_m = sorted(station.position_m for station in KARASUYAMA.stations.values())
+    assert apart_s == pytest.approx(
+        [(b - a) * 3.6 / 50.0 for a, b in pairwise(at_m)], abs=0.501
+    )  # at 50 km/h
     text = re.sub(r"^Comment=.*$", "Comment=", text, flags=re.MULTILINE)
     route = route_of(parse_oudia(b"\xef\xbb\xbf" + text.encode(), "day.oud2"), "day.oud2")
     dia = route.dia(None)

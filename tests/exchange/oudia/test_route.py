@@ -288,8 +288,8 @@ def test_what_does_not_run_is_left_and_said() -> None:
     found = published_of(read, read.dias[0])
     assert [one.number for one in found.trains] == ["5M"]
     assert found.left == (
-        "1 trains that are cancelled (運休)",
-        "1 trains that are at no station",
+        "trains that are cancelled (運休): 1",
+        "trains that are at no station: 1",
     )
     assert summary_of(read.dias[0])["trains"] == 3
 

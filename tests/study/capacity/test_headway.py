@@ -1,5 +1,7 @@
 """Headways: what a hand calculation gives, under the names of the trade, and the components make up the whole."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,10 +18,11 @@ TRACKS = {place: frozenset({f"{place}.1", f"{place}.2"}) for place in "ALMB"}
 DOWN, UP = Direction.DOWN, Direction.UP
 
 
-def between(place: str, *trains: Made) -> dict[HeadwayKind, Headway]:
+def between(place: str, *trains: Made, dwell_min_s: float = math.inf) -> dict[HeadwayKind, Headway]:
     """The headways of the first train to the second at a place."""
     visits = {visit.number: visit for visit in visits_at(legs(list(trains)), TRACKS[place])}
-    return {one.kind: one for one in headways_of(visits[trains[0].number], visits[trains[1].number])}
+    one, other = (visits[train.number] for train in trains)
+    return {found.kind: found for found in headways_of(one, other, dwell_min_s)}
 
 
 def two(first: Direction, second: Direction, loop: str = "L", throw_s: float = 4.0) -> tuple[Made, Made]:
@@ -36,13 +39,7 @@ def two(first: Direction, second: Direction, loop: str = "L", throw_s: float = 4
         ("L", two(DOWN, DOWN), HeadwayKind.DEPARTURE_ARRIVAL, "L.1", 15.0 + 10.0 + 300.0),
         ("L", two(DOWN, UP, "M"), HeadwayKind.DEPARTURE_ARRIVAL, "S2", 240.0 + 15.0 + 10.0 + 240.0),
         # M has one track: the first goes on to B before the second can leave B, which stands at M and comes to L
-        (
-            "L",
-            two(DOWN, UP),
-            HeadwayKind.DEPARTURE_ARRIVAL,
-            "S3",
-            (240.0 + 30.0 + 180.0 + 15.0) + (10.0 + 180.0 + 30.0 + 240.0),
-        ),
+        ("L", two(DOWN, UP), HeadwayKind.DEPARTURE_ARRIVAL, "S3", 2 * (240.0 + 30.0 + 180.0) + 15.0 + 10.0),
         # from the same track: that is free 15 after the first has left, the second let in 10 before it leaves A,
         # where it comes from, 300 away, and stands 60
         ("L", two(DOWN, DOWN, "M"), HeadwayKind.FOLLOWING, "L.1", 15.0 + 10.0 + 300.0 + 60.0),
@@ -58,6 +55,11 @@ def test_by_hand(
     assert found.section_id == section
     assert found.least_s == pytest.approx(least_s, abs=1e-9)
     assert found.first_s + found.second_s == pytest.approx(least_s, abs=1e-9)
+
+
+def test_who_stands_longer_than_a_train_must_holds_up_nobody() -> None:
+    found = between("A", *two(DOWN, DOWN, "M"), dwell_min_s=20.0)[HeadwayKind.FOLLOWING]
+    assert found.least_s == pytest.approx(300.0 + 20.0 + 15.0 + 10.0)  # 20 of the 60 that it stands at L
 
 
 def test_without_the_way_in_two_trains_would_share_a_track(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -169,6 +169,11 @@ def test_throw_moves_the_meet_by_as_much(morning: Setup) -> None:
     assert slow.occupied_share > base.occupied_share
     assert base.block_headway_s < base.headway_s
     assert base.part == "Hoshakuji - Ogane"
+    quick = occupations(morning, replace(MINIMAL, unslowed=True))
+    ogane_s = max(one.length_s for one in quick if one.section_id == base.section_id == "OGN.1")
+    assert base.headway_s == pytest.approx(
+        ogane_s, abs=0.01
+    )  # who follows its like waits for its longest block
 
 
 def test_levers_change_what_they_say(morning: Setup) -> None:

@@ -36,7 +36,8 @@ def test_a_window_by_hand() -> None:
 
 
 def test_power_is_the_mean_since_the_row_before() -> None:
-    tables = battery_tables([record(0.0, 0.5), record(36.0, 0.48, given=4.0, taken=1.0)], setup())
+    rows = [record(0.0, 0.5, given=7.0, taken=3.0), record(36.0, 0.48, given=11.0, taken=4.0)]
+    tables = battery_tables(rows, setup())
     assert tables["battery"]["power_kw"].to_list() == [0.0, pytest.approx(300.0)]
 
 
