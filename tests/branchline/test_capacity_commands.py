@@ -61,10 +61,8 @@ def test_a_run_directory_is_read_back(main: Callable[..., Any], tmp_path: Path) 
     found = told.figures()
     assert found["of"] == "run"
     parts = found["cuts"][0]["parts"]
-    assert [(part["period"], part["trains"]) for part in parts] == [
-        ("day", 2),
-        ("day", 2),
-    ]  # no peak in one hour
+    # no peak in one hour
+    assert [(part["period"], part["trains"]) for part in parts] == [("day", 2), ("day", 2)]
     for kind in ("headway", "occupation"):
         told = main("plot", "run", kind)
         assert told.code == 0, told.err

@@ -383,9 +383,8 @@ def test_one_hop_is_drawn_of_several_runs_and_a_run_of_another_line_is_refused(r
         assert not cut_texts(figure)
     assert len(figure.axes) == 4  # speed, gradient, and the notches of each
     names = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-    assert (
-        len({name for name in names if "kWh" in name}) == 2
-    )  # of one law, and of one id: by their directories
+    # of one law, and of one id: by their directories
+    assert len({name for name in names if "kWh" in name}) == 2
     assert table["run"].n_unique() == 3
     other = replace(read, line=replace(read.line, id="elsewhere"))
     with pytest.raises(InputError, match="a run of the line"):
