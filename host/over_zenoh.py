@@ -19,13 +19,24 @@ from typing import TYPE_CHECKING, Final, Self
 
 import zenoh
 
-from host import planes
 from host.lockstep import Asker, PartyAnswer, Tagged, of_certificate, of_run
 from host.order_solver import HANGS_S
 from host.over_tls import FAR, FarProcess, PartyInvitation, PowerDeed, ToldFar
 from host.parties import ForeignError, PartyBug, PartyError
 from host.party import Advance, PartySpec
 from host.patience import Patience
+from host.planes import (
+    ANSWER_LIMIT_S,
+    PAYLOAD_BYTES_MAX,
+    SOCKET_NAME,
+    endpoint_of,
+    new_secrets,
+    private_folder,
+    radio_key,
+    said_key,
+    session_json5,
+    time_key,
+)
 from host.process import DURABLE_FILE, Commission, PartyProcess, last_words
 from host.store import NotCommissioned
 
@@ -45,7 +56,7 @@ _OWN_SESSION: Final = "1"
 
 def answer_limit_s(spec: PartySpec) -> float:
     """After how long without an answer a party hangs, s; a block manager may itself wait for the solver of orders."""
-    return planes.ANSWER_LIMIT_S + (HANGS_S if spec.asks_solver else 0.0)
+    return ANSWER_LIMIT_S + (HANGS_S if spec.asks_solver else 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,13 +164,13 @@ class ZenohParties:
         told: bytes,
     ) -> Advance:
         question, tagged = hosted.asker.ask(now_s, telegrams, told)
-        if len(question) > planes.PAYLOAD_BYTES_MAX:
+        if len(question) > PAYLOAD_BYTES_MAX:
             called = hosted.spec.party_id
             raise PartyBug(f"a question of {len(question)} bytes to {called} is too long for its link")
         try:
             for telegram in tagged:
                 hosted.wires.session.put(
-                    planes.radio_key(self._line_id, hosted.spec.party_id),
+                    radio_key(self._line_id, hosted.spec.party_id),
                     telegram.data,
                     attachment=telegram.tag,
                     congestion_control=zenoh.CongestionControl.BLOCK,
@@ -221,10 +232,10 @@ class ZenohParties:
     def _open(self) -> None:
         party_ids = [spec.party_id for spec in self._specs]
         far_ids = frozenset[str]() if self._elsewhere is None else self._elsewhere.chosen(party_ids)
-        folder = self._folder.enter_context(planes.private_folder())
-        self._endpoint = planes.endpoint_of(folder)
-        near = self._wired(self._endpoint, planes.session_json5("listen", self._endpoint, _OWN_SESSION))
-        (folder / planes.SOCKET_NAME).chmod(0o600)
+        folder = self._folder.enter_context(private_folder())
+        self._endpoint = endpoint_of(folder)
+        near = self._wired(self._endpoint, session_json5("listen", self._endpoint, _OWN_SESSION))
+        (folder / SOCKET_NAME).chmod(0o600)
         far = near
         if self._elsewhere is not None:
             config = self._elsewhere.session_json5(self._line_id, far_ids, _OWN_SESSION)
@@ -232,7 +243,7 @@ class ZenohParties:
         for spec in self._specs:
             wires = far if spec.party_id in far_ids else near
             querier = wires.session.declare_querier(
-                planes.time_key(self._line_id, spec.party_id),
+                time_key(self._line_id, spec.party_id),
                 # All, so that a stranger who also answers cannot keep the question from the party.
                 target=zenoh.QueryTarget.ALL,
                 consolidation=zenoh.ConsolidationMode.NONE,
@@ -256,7 +267,7 @@ class ZenohParties:
             zenoh.handlers.FifoChannel(_SESSION_EVENTS), history=True
         )
         inbox = session.declare_subscriber(
-            planes.said_key(self._line_id),
+            said_key(self._line_id),
             zenoh.handlers.FifoChannel(INBOX_TELEGRAMS),
             allowed_origin=zenoh.Locality.REMOTE,
         )
@@ -264,7 +275,7 @@ class ZenohParties:
         return self._wires[-1]
 
     def _spawn(self, hosted: _Hosted) -> None:
-        secrets = planes.new_secrets(hosted.spec.keys)
+        secrets = new_secrets(hosted.spec.keys)
         hosted.asker = Asker(hosted.spec.party_id, secrets.plane_key)
         # Sessions of killed boots stay known: their end may be heard of after the next one's beginning.
         if hosted.far is not None and self._elsewhere is not None:
@@ -350,7 +361,7 @@ class ZenohParties:
         """All telegrams that are there: the party's came before its answer, on the same link."""
         heard: list[Tagged] = []
         inbox = hosted.wires.inbox
-        patience = Patience(planes.ANSWER_LIMIT_S)
+        patience = Patience(ANSWER_LIMIT_S)
         while True:
             sample = inbox.try_recv()
             if sample is not None:
