@@ -69,9 +69,8 @@ def blocking(
         _print_conflicts(shown)
         if both is not None:
             _print_compared(both)
-    end(
-        judged_outcome(theory or not conflicts)
-    )  # what does not fit a plan is a finding, in a run it cannot be
+    # what does not fit a plan is a finding, in a run it cannot be
+    end(judged_outcome(theory or not conflicts))
 
 
 def _print(occupations: Sequence[Occupation]) -> None:

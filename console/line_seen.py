@@ -22,18 +22,7 @@ from network.timetable import Call
 from onboard import notes
 from onboard.crossing_notes import CrossingProofLost
 from radio.noted import TelegramDropped, TookEffect
-from simulation.events import (
-    MANAGER,
-    WORLD,
-    Acted,
-    Collision,
-    JournalEntry,
-    PowerOff,
-    PowerOn,
-    StepRefused,
-    Unsafe,
-    VehicleStruck,
-)
+from simulation import events
 from simulation.setup import Setup
 from study.wording.events import EVENT_WORDINGS, event_text
 from study.wording.parties import party
@@ -43,10 +32,10 @@ from wayside.crossing_said import CrossingUnproven
 from wayside.register import ReentryStage
 
 ALARMS: Final = (
-    Unsafe,
-    Collision,
-    StepRefused,
-    VehicleStruck,
+    events.Unsafe,
+    events.Collision,
+    events.StepRefused,
+    events.VehicleStruck,
     said.Contradicted,
     said.NoOrderKnown,
     said.PointsUnproven,
@@ -133,22 +122,22 @@ class LineSeen:
             for unit, heard in self._units.items()
         )
 
-    def see(self, entry: JournalEntry) -> None:
+    def see(self, entry: events.JournalEntry) -> None:
         """An entry was written."""
         self.crossings.see(entry)
-        if isinstance(entry.event, TookEffect) and entry.event.receiver == MANAGER:
+        if isinstance(entry.event, TookEffect) and entry.event.receiver == events.MANAGER:
             if (heard := self._units.get(entry.event.source)) is not None:
                 heard.heard_s = entry.t_s
             return
-        if entry.who == MANAGER:
+        if entry.who == events.MANAGER:
             self._of_manager(entry)
         elif entry.who in self._units:
             self._of_unit(entry.t_s, self._units[entry.who], entry.event)
         match entry.event:
-            case PowerOff(device_id=device) if device == MANAGER:
+            case events.PowerOff(device_id=device) if device == events.MANAGER:
                 self.manager_on, self.defined = False, False
                 self._held.clear()
-            case PowerOn(device_id=device) if device == MANAGER:
+            case events.PowerOn(device_id=device) if device == events.MANAGER:
                 self.manager_on = True
             case _:
                 pass
@@ -166,13 +155,12 @@ class LineSeen:
                 text_ja=words.in_("ja"),
                 alarm=isinstance(entry.event, ALARMS) or _refuses_person(entry),
             )
-            unsaid = isinstance(
-                entry.event, CrossingUnproven
-            )  # by radio its device says no more than that it is not
-            of_world = entry.who == WORLD and not isinstance(entry.event, Acted)
+            # by radio its device says no more than that it is not
+            unsaid = isinstance(entry.event, CrossingUnproven)
+            of_world = entry.who == events.WORLD and not isinstance(entry.event, events.Acted)
             self.events.append(SeenEvent(shown, of_world or unsaid))
 
-    def _is_said_again(self, entry: JournalEntry) -> bool:
+    def _is_said_again(self, entry: events.JournalEntry) -> bool:
         """Whether its author has answered a unit so before, and since then nothing else but such answers."""
         event, key = entry.event, (entry.who, getattr(entry.event, "unit_id", ""))
         if _refuses_person(entry):
@@ -195,7 +183,7 @@ class LineSeen:
             self.outages[-1] = (self.outages[-1][0], t_s)
         self._begun = self._begun or whole
 
-    def _of_manager(self, entry: JournalEntry) -> None:
+    def _of_manager(self, entry: events.JournalEntry) -> None:
         t_s = entry.t_s
         match entry.event:
             case said.Started(epoch=epoch):
@@ -248,10 +236,10 @@ class LineSeen:
         self.graph.append(GraphPoint(train=heard.train, time_s=t_s, at_m=at_m))
 
 
-def _refuses_person(entry: JournalEntry) -> bool:
+def _refuses_person(entry: events.JournalEntry) -> bool:
     """Whether the manager has refused what somebody entered."""
     event = entry.event
-    return entry.who == MANAGER and isinstance(event, said.Refused) and ": " in event.why
+    return entry.who == events.MANAGER and isinstance(event, said.Refused) and ": " in event.why
 
 
 def _planned_s(call: Call, *, leaves: bool) -> float | None:

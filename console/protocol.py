@@ -11,16 +11,7 @@ from typing import Annotated, Any, Final
 
 import msgspec
 
-from console.line_drawn import (
-    CrossingDrawn,
-    FaultKind,
-    PointsDrawn,
-    PostDrawn,
-    SectionDrawn,
-    StationDrawn,
-    TrainOnPlan,
-    WorkDrawn,
-)
+from console import line_drawn
 from console.pacing import FASTEST
 from console.seats import Seat
 from network.errors import InputError
@@ -185,16 +176,16 @@ class Welcome(Said, frozen=True, kw_only=True, tag="welcome"):
     name: str
     line: str
     line_ja: str
-    stations: tuple[StationDrawn, ...]
-    sections: tuple[SectionDrawn, ...]
-    points: tuple[PointsDrawn, ...]
+    stations: tuple[line_drawn.StationDrawn, ...]
+    sections: tuple[line_drawn.SectionDrawn, ...]
+    points: tuple[line_drawn.PointsDrawn, ...]
     units: tuple[str, ...]
-    crossings: tuple[CrossingDrawn, ...] = ()
-    plan: tuple[TrainOnPlan, ...]
+    crossings: tuple[line_drawn.CrossingDrawn, ...] = ()
+    plan: tuple[line_drawn.TrainOnPlan, ...]
     acts: tuple[str, ...]
-    faults: tuple[FaultKind, ...]
-    works: tuple[WorkDrawn, ...] = ()
-    posts: tuple[PostDrawn, ...] = ()
+    faults: tuple[line_drawn.FaultKind, ...]
+    works: tuple[line_drawn.WorkDrawn, ...] = ()
+    posts: tuple[line_drawn.PostDrawn, ...] = ()
     leads: bool = False
     replay: bool = False
     begin_s: float = 0.0

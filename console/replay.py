@@ -11,23 +11,10 @@ from typing import Final
 import msgspec
 import numpy as np
 
+from console import protocol
 from console.desk import DeskTurn
 from console.line_seen import LineSeen
 from console.pacing import Pacer
-from console.protocol import (
-    AskProtocol,
-    DeskAnswer,
-    GoBack,
-    NextEvent,
-    OneStep,
-    Request,
-    RuleShown,
-    RunTo,
-    SetPace,
-    State,
-    TrainShown,
-    Welcome,
-)
 from console.seats import Seat
 from console.shown import DeskMoment, drawn_line
 from network.errors import InputError
@@ -81,7 +68,7 @@ class Replay:
         self._ways = {unit: _Trajectory(read, unit) for unit in units}
         self._feed()
 
-    def welcome(self, seat: Seat) -> Welcome:
+    def welcome(self, seat: Seat) -> protocol.Welcome:
         """What a seat is told once: the line, and from when to when there is something to see."""
         units = tuple(self._ways)
         drawn = drawn_line(self._setup, seat, self._read.directory.name, self._read.name, units)
@@ -93,7 +80,7 @@ class Replay:
         """What there was at the time that is looked at."""
         line, now_s = self._line, self._step / STEPS_PER_S
         ended = str(self._read.summary["ended_because"]) if self._step >= self._last else ""
-        known = State(
+        known = protocol.State(
             time_s=now_s,
             factor=self._pacer.factor,
             running=self._pacer.factor > 0.0,
@@ -123,33 +110,37 @@ class Replay:
         )
         return DeskTurn(self._step != before, self._pacer.wait_s(self._step, now_s))
 
-    def ask(self, _seat: Seat, request: Request, now_s: float, _unit: str = "") -> DeskAnswer:
+    def ask(
+        self, _seat: Seat, request: protocol.Request, now_s: float, _unit: str = ""
+    ) -> protocol.DeskAnswer:
         """Look at another time, or faster; all else is refused."""
         number = request.number
         match request:
-            case SetPace(factor=factor):
+            case protocol.SetPace(factor=factor):
                 self._pacer = Pacer(factor, self._step, now_s)
-                return DeskAnswer(number=number, good=True)
-            case OneStep():
+                return protocol.DeskAnswer(number=number, good=True)
+            case protocol.OneStep():
                 to = self._step + 1
-            case NextEvent():
+            case protocol.NextEvent():
                 following = bisect_right(self._times, self._step / STEPS_PER_S)
                 to = (
                     self._last
                     if following == len(self._times)
                     else int(self._times[following] * STEPS_PER_S) + 1
                 )
-            case RunTo(time_s=time_s) | GoBack(time_s=time_s):
+            case protocol.RunTo(time_s=time_s) | protocol.GoBack(time_s=time_s):
                 to = round(time_s * STEPS_PER_S)
-            case AskProtocol():
-                return DeskAnswer(
+            case protocol.AskProtocol():
+                return protocol.DeskAnswer(
                     number=number, good=True, text=msgspec.json.encode(dict(self._read.summary)).decode()
                 )
             case _:
-                return DeskAnswer(number=number, good=False, why=str(InputError("desk", "", None, LOOKED_AT)))
+                return protocol.DeskAnswer(
+                    number=number, good=False, why=str(InputError("desk", "", None, LOOKED_AT))
+                )
         self._to(max(self._first, min(to, self._last)))
         self._pacer = Pacer(0.0, self._step, now_s)
-        return DeskAnswer(number=number, good=True, text=str(self._step / STEPS_PER_S))
+        return protocol.DeskAnswer(number=number, good=True, text=str(self._step / STEPS_PER_S))
 
     def _to(self, step: int) -> None:
         if step < self._step:
@@ -172,7 +163,7 @@ class Replay:
                     pass
         self._fed = max(self._fed, upto)
 
-    def _true(self, train: TrainShown, now_s: float) -> TrainShown:
+    def _true(self, train: protocol.TrainShown, now_s: float) -> protocol.TrainShown:
         at = self._ways[train.unit].at(now_s) if train.unit in self._there else None
         if at is None:
             return train
@@ -181,7 +172,7 @@ class Replay:
         number = number if speed_mps else train.train or number  # a unit that is off tells of no train
         return msgspec.structs.replace(train, train=number, at_m=at_m, speed_mps=speed_mps, section=section)
 
-    def _rules(self, now_s: float) -> tuple[RuleShown, ...]:
+    def _rules(self, now_s: float) -> tuple[protocol.RuleShown, ...]:
         texts: dict[str, list[str]] = {}
         for broken in self._read.shown.violations:
             if broken.t_s <= now_s:
@@ -191,7 +182,7 @@ class Replay:
             told = (str(text).partition(f" {arrives}: ") for text in self._read.summary.get("violations", ()))
             texts[arrives] = [text for _, found, text in told if found]
         return tuple(
-            RuleShown(rule=rule.value, broken=len(own), first=next(iter(own), ""))
+            protocol.RuleShown(rule=rule.value, broken=len(own), first=next(iter(own), ""))
             for rule in Checker
             for own in (texts.get(rule.value, []),)
         )

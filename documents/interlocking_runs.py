@@ -10,18 +10,7 @@ import polars as pl
 
 from network.clock import clock
 from network.model import TagPurpose
-from onboard.notes import (
-    Arrived,
-    CrewCheckedPoints,
-    CrewWaitsAtPoints,
-    Departs,
-    LimitSet,
-    PositionFound,
-    Proven,
-    Resumed,
-    TagRead,
-    UnitRestarted,
-)
+from onboard import notes
 from radio.noted import Noted, Sent
 from scenario.scenario import Scenario, load_scenario
 from simulation.events import Event, FaultOver, JournalEntry, PointsLocked, PointsMoving
@@ -111,15 +100,15 @@ def _note(event: Event) -> str:
             note = f"{', '.join(event.section_ids)} granted, token {_token(event.token)}"
         case Freed():
             note = f"{', '.join(event.section_ids)} free"
-        case LimitSet():
+        case notes.LimitSet():
             note = f"stop limit km {event.kilometrage_m / 1000.0:.3f}, {_why(event)}"
-        case Departs():
+        case notes.Departs():
             note = f"departs {event.station}"
-        case Arrived():
+        case notes.Arrived():
             note = f"stands at {event.station}"
-        case TagRead() if event.purpose is not TagPurpose.POSITION:
+        case notes.TagRead() if event.purpose is not TagPurpose.POSITION:
             note = f"tag {event.tag_id} ({_purpose(event)})"
-        case Proven():
+        case notes.Proven():
             note = f"{event.points_id} proven {event.position.value}"
         case PointsMoving():
             note = f"{event.points_id} moves to {event.target.value}"
@@ -134,11 +123,11 @@ def _token(token: int) -> str:
     return f"{token >> 32}.{token & 0xFFFFFFFF}"
 
 
-def _purpose(tag: TagRead) -> str:
+def _purpose(tag: notes.TagRead) -> str:
     return tag.purpose.value.replace("_", " ")
 
 
-def _why(limit: LimitSet) -> str:
+def _why(limit: notes.LimitSet) -> str:
     return limit.why if limit.before is None else f"before section {limit.before}, {limit.why}"
 
 
@@ -147,7 +136,7 @@ def stop_limits(run: FinishedRun) -> tuple[tuple[str, ...], ...]:
     return tuple(
         (clock(int(entry.t_s)), f"km {entry.event.kilometrage_m / 1000.0:.3f}", _why(entry.event))
         for entry in run.result.journal.entries
-        if isinstance(entry.event, LimitSet)
+        if isinstance(entry.event, notes.LimitSet)
     )
 
 
@@ -163,9 +152,9 @@ def _restart_row(scenario: Scenario, case: RestartCase) -> tuple[str, ...]:
     stood_km = _front_km(run, entries[0].t_s)
     said = [entry.event for entry in entries]
     found = _found(said)
-    resumed = _first(said, Resumed)
+    resumed = _first(said, notes.Resumed)
     later = said if resumed is None else said[said.index(resumed) :]
-    limit = None if resumed is None else _first(later, LimitSet)
+    limit = None if resumed is None else _first(later, notes.LimitSet)
     position = "not before it is in" if found is None else _found_by(run, found, stood_km)
     return (
         f"{case.place} (km {stood_km:.2f})",
@@ -192,7 +181,7 @@ def _with_restart(scenario: Scenario, case: RestartCase, *, radio: bool) -> Fini
 def _after_restart(run: FinishedRun) -> list[JournalEntry]:
     """What the unit wrote from its restart on; the first entry is the restart."""
     entries = [e for e in run.result.journal.entries if e.who == UNIT]
-    first = next(i for i, entry in enumerate(entries) if isinstance(entry.event, UnitRestarted))
+    first = next(i for i, entry in enumerate(entries) if isinstance(entry.event, notes.UnitRestarted))
     return entries[first:]
 
 
@@ -200,40 +189,40 @@ def _first(said: Sequence[Event], kind: type[T]) -> T | None:
     return next((event for event in said if isinstance(event, kind)), None)
 
 
-def _found(said: Sequence[Event]) -> TagRead | None:
+def _found(said: Sequence[Event]) -> notes.TagRead | None:
     """The reading of the tag that gave the position."""
-    tag: TagRead | None = None
+    tag: notes.TagRead | None = None
     for event in said:
-        if isinstance(event, TagRead):
+        if isinstance(event, notes.TagRead):
             tag = event
-        if isinstance(event, PositionFound):
+        if isinstance(event, notes.PositionFound):
             return tag
     return None
 
 
-def _found_by(run: FinishedRun, tag: TagRead, stood_km: float) -> str:
+def _found_by(run: FinishedRun, tag: notes.TagRead, stood_km: float) -> str:
     at_km = run.scenario.setup.line.tags[tag.tag_id].position_m / 1000.0
     return f"by tag {tag.tag_id} ({_purpose(tag)}), {round((at_km - stood_km) * 1000.0, -1):.0f} m on"
 
 
-def _way_in(events: Sequence[Event], resumed: Resumed | None) -> str:
+def _way_in(events: Sequence[Event], resumed: notes.Resumed | None) -> str:
     """In the order of the journal: looks of the crew, normal running, proofs, arrival."""
     said: list[str] = ["on sight at 15 km/h at most"]
     for event in events:
         match event:
-            case CrewWaitsAtPoints():
+            case notes.CrewWaitsAtPoints():
                 said.append(f"the crew waits before {event.points_id}")
-            case CrewCheckedPoints():
+            case notes.CrewCheckedPoints():
                 said.append(f"the crew stops and looks at {event.points_id}")
-            case Resumed():
+            case notes.Resumed():
                 said.append("normal running")
-            case Proven(by_crew=False):
+            case notes.Proven(by_crew=False):
                 said.append(f"{event.points_id} proven")
-            case Arrived():
+            case notes.Arrived():
                 said.append(f"stands at {event.station}")
             case _:
                 pass
-    if _first(events, Arrived) is None:
+    if _first(events, notes.Arrived) is None:
         said.append("**does not get in**")
     elif resumed is None:
         said.append("on sight to the end")
@@ -249,10 +238,10 @@ def _without_radio(run: FinishedRun) -> str:
         if isinstance(e.event, FaultOver) and e.event.kind == Cut.kind
     )
     before = [entry.event for entry in entries if entry.t_s < over_s]
-    if (arrived := _first(before, Arrived)) is not None:
+    if (arrived := _first(before, notes.Arrived)) is not None:
         return f"gets in on sight and stands at {arrived.station}"
-    known = "position known" if _first(before, PositionFound) else "position not known"
-    after = "gets in" if _first([entry.event for entry in entries], Arrived) else "**does not get in**"
+    known = "position known" if _first(before, notes.PositionFound) else "position not known"
+    after = "gets in" if _first([entry.event for entry in entries], notes.Arrived) else "**does not get in**"
     return f"waits at km {_front_km(run, over_s):.2f}, {known}; {after} when it reaches again"
 
 

@@ -251,9 +251,8 @@ def _turn_round(day: _Day, station_id: str) -> int:
 
 def _first_in_first_out(day: _Day, station_id: str, gone: set[str]) -> _Turns:
     """Sets at one place to its departures, where those in `gone` leave at once."""
-    room = len(
-        {track.section_id for track in day.line.stations[station_id].tracks}
-    )  # a halt has one, the line
+    # a halt has one, the line
+    room = len({track.section_id for track in day.line.stations[station_id].tracks})
     turns = _Turns()
     linked = 0  # sets that stand here by a published link
     # a set that arrives in the minute in which another leaves was there in time

@@ -21,7 +21,7 @@ from radio.elapsed import Elapsed
 from radio.envelope import Dropped, DropReason, Endpoint, Peer, Received
 from radio.keys import KeyRing
 from radio.messages import CrossingOver, CrossingRequest, PointsCommand, Restarted
-from wayside import block_manager, level_crossing, point_terminal
+from wayside import block_manager, level_crossing, point_terminal, said
 from wayside.actions import Action, Drive, Send, Show
 from wayside.barring import NO_BARS, bars_kept
 from wayside.config import CrossingConfig, DeviceConfig, ManagerConfig, TerminalConfig, decode_config
@@ -30,17 +30,6 @@ from wayside.level_crossing import CrossingDevice, CrossingMemory
 from wayside.point_terminal import Commanded, Expired, Terminal, TerminalMemory
 from wayside.register import Register
 from wayside.register import start as start_register
-from wayside.said import (
-    BarUnit,
-    Input,
-    InputRefused,
-    Note,
-    Output,
-    PointsDetected,
-    Refused,
-    Started,
-    UnbarUnit,
-)
 
 DeviceState = Register | Terminal | CrossingDevice
 PARTS_KEPT = True  # off: a manager that starts again has forgotten who has a part of its way
@@ -52,7 +41,7 @@ class _ProtocolMachine(Protocol):
     @property
     def state(self) -> DeviceState: ...
 
-    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+    def take(self, event: said.Input | Received | None, now_s: float) -> Sequence[Action]:
         """An input, a telegram, or None: look at the timers."""
         ...
 
@@ -103,7 +92,7 @@ class _Manager:
     def state(self) -> Register:
         return self.register
 
-    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+    def take(self, event: said.Input | Received | None, now_s: float) -> Sequence[Action]:
         step: block_manager.Event
         match event:
             case None:
@@ -112,7 +101,7 @@ class _Manager:
                 step = block_manager.Heard(
                     event.source, event.epoch, event.fresh, event.correlation, event.message
                 )
-            case PointsDetected() | CrossingDetected() | CrossingContact() | NoTrainComes():
+            case said.PointsDetected() | CrossingDetected() | CrossingContact() | NoTrainComes():
                 return _not_for_device(event)
             case _:
                 step = event
@@ -147,7 +136,7 @@ class _Terminal:
     def state(self) -> Terminal:
         return self.terminal
 
-    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+    def take(self, event: said.Input | Received | None, now_s: float) -> Sequence[Action]:
         step: point_terminal.TerminalEvent
         match event:
             case None:
@@ -156,8 +145,8 @@ class _Terminal:
                 step = Commanded(event.source, event.correlation, command)
             case Received():
                 why = type(event.message).__name__
-                return (Show(Refused(unit_id=event.source, why=why)),)
-            case PointsDetected() | BarUnit() | UnbarUnit():
+                return (Show(said.Refused(unit_id=event.source, why=why)),)
+            case said.PointsDetected() | said.BarUnit() | said.UnbarUnit():
                 step = event
             case _:
                 return _not_for_device(event)
@@ -184,7 +173,7 @@ class _LevelCrossing:
     def state(self) -> CrossingDevice:
         return self.device
 
-    def take(self, event: Input | Received | None, now_s: float) -> Sequence[Action]:
+    def take(self, event: said.Input | Received | None, now_s: float) -> Sequence[Action]:
         step: level_crossing.CrossingEvent
         match event:
             case None:
@@ -194,8 +183,8 @@ class _LevelCrossing:
             case Received(message=CrossingOver() as over):
                 step = level_crossing.CrossingLeft(event.source, event.correlation, over)
             case Received():
-                return (Show(Refused(unit_id=event.source, why=type(event.message).__name__)),)
-            case CrossingDetected() | CrossingContact() | NoTrainComes() | BarUnit() | UnbarUnit():
+                return (Show(said.Refused(unit_id=event.source, why=type(event.message).__name__)),)
+            case CrossingDetected() | CrossingContact() | NoTrainComes() | said.BarUnit() | said.UnbarUnit():
                 step = event
             case _:
                 return _not_for_device(event)
@@ -229,8 +218,8 @@ def _remembered(kept: bytes | None) -> _ManagerMemory | None:
         return None
 
 
-def _not_for_device(given: Input) -> Sequence[Action]:
-    return (Show(InputRefused(why=type(given).__name__)),)
+def _not_for_device(given: said.Input) -> Sequence[Action]:
+    return (Show(said.InputRefused(why=type(given).__name__)),)
 
 
 class DeviceHost:
@@ -250,7 +239,7 @@ class DeviceHost:
         else:
             self._machine = _Terminal(config, keys, self._durable)
         self._elapsed = Elapsed()
-        self._notes: list[Note] = [Started(epoch=self._durable.epoch)]
+        self._notes: list[said.Note] = [said.Started(epoch=self._durable.epoch)]
 
     @property
     def epoch(self) -> int:
@@ -263,11 +252,11 @@ class DeviceHost:
         return self._machine.state
 
     def advance(
-        self, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[Input] = ()
+        self, now_s: float, telegrams: Sequence[bytes], inputs: Sequence[said.Input] = ()
     ) -> DeviceAdvance:
         """Act at `now_s` on inputs, telegrams and timers."""
         sends: list[tuple[Send, int]] = []
-        outputs: list[Output] = []
+        outputs: list[said.Output] = []
         elapsed_s = self._elapsed.at(now_s)
         for given in inputs:
             self._sort(self._machine.take(given, elapsed_s), sends, outputs)
@@ -293,7 +282,9 @@ class DeviceHost:
         wake_at_s = None if wake_s is None else self._elapsed.shown_at(wake_s)
         return DeviceAdvance(sealed, tuple(outputs), wake_at_s, notes)
 
-    def _sort(self, actions: Iterable[Action], sends: list[tuple[Send, int]], outputs: list[Output]) -> None:
+    def _sort(
+        self, actions: Iterable[Action], sends: list[tuple[Send, int]], outputs: list[said.Output]
+    ) -> None:
         for action in actions:
             match action:
                 case Send():

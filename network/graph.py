@@ -36,9 +36,8 @@ class Graph:
     line: Line
     down: dict[str, tuple[str, ...]]
     up: dict[str, tuple[str, ...]]
-    overlaps: dict[
-        tuple[str, Direction], tuple[str, ...]
-    ]  # by track and direction of who comes in: `Route.overlap`
+    # by track and direction of who comes in: `Route.overlap`
+    overlaps: dict[tuple[str, Direction], tuple[str, ...]]
     known: dict[tuple[str, Direction], tuple[Route, ...]] = field(
         default_factory=dict[tuple[str, Direction], tuple[Route, ...]]
     )  # routes from a track or portal, as they are asked for

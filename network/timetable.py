@@ -24,9 +24,8 @@ from network.graph import reachable_stops
 from network.model import Direction, Line, PlatformTrack, SectionKind
 
 DAY_S: Final = 86_400
-WRITTEN_S_END: Final = (
-    30 * 3600
-)  # files write hours up to 29; what is later is found again from what is before
+# files write hours up to 29; what is later is found again from what is before
+WRITTEN_S_END: Final = 30 * 3600
 LAST_S_MAX: Final = 3 * DAY_S  # assumed: a run is of one day, and some hours around it
 _TIME: Final = re.compile(r"([01]\d|2[0-9]):([0-5]\d)(?::([0-5]\d))?")
 

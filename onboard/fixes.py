@@ -39,9 +39,8 @@ EYE: Final = "driver's eye"
 EYE_WITHIN_M: Final = (
     ARRIVED_ON_SIGHT_WITHIN_M  # of what a driver says: ten metres to the nearest, and a metre
 )
-UNSURE_OVER_M: Final = (
-    EYE_WITHIN_M + 1.0
-)  # bounds wider than what the driver's eye leaves are worth asking him
+# bounds wider than what the driver's eye leaves are worth asking him
+UNSURE_OVER_M: Final = EYE_WITHIN_M + 1.0
 
 
 ROOM_M: Final = LIMIT_MARGIN_M + RESERVE_M  # nearer to its stop limit no train starts

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from network.model import Line
-from onboard import notes
+from onboard import notes, records
 from onboard.ability import Ability, Means, WayAhead
 from onboard.authority.coverage import covered_at, next_coverage_m
 from onboard.charge import ChargeWatch
@@ -48,27 +48,6 @@ from onboard.localisation.table import READERS_ROW, ReadersRow
 from onboard.localisation.tags import TagDoubt, TagOutcome, Wheels
 from onboard.localisation.wheel_scale import FrontAtCount
 from onboard.mission import Mission, PathTag, Target, front_on
-from onboard.records import (
-    EMERGENCY_INTERVENTION,
-    EVENT_CONTRADICTED,
-    EVENT_FIX,
-    EVENT_IDLE,
-    EVENT_INTERVENTION,
-    EVENT_MOVING,
-    EVENT_OFF_PLAN,
-    EVENT_POSITION,
-    EVENT_SAFE_REAR,
-    EVENT_STOPPED,
-    EVENT_TACHOMETER,
-    EVENT_TAG_OVERDUE,
-    EVENT_VERDICT,
-    MODE_DRIVE,
-    MODE_HOLD,
-    NO_INTERVENTION,
-    BehaviourRow,
-    PathData,
-    UnitRow,
-)
 from onboard.unit_records import UnitParameters
 from onboard.vehicle import IN_ORDER, VehicleInputs
 from vehicle.record import cells_of
@@ -87,9 +66,9 @@ class UnitMotion:
         self,
         line: Line,
         parameters: UnitParameters,
-        row: UnitRow,
+        row: records.UnitRow,
         train: TrainRow,
-        behaviour: BehaviourRow,
+        behaviour: records.BehaviourRow,
         keeper: StopKeeper,
         readers: ReadersRow | None = None,
         laws: LawsRow | None = None,
@@ -99,7 +78,7 @@ class UnitMotion:
         charge: ChargeWatch | None = None,  # of a set that runs on a battery
         before: UnitMotion | None = None,  # the unit was switched off
     ) -> None:
-        self.row: Final = cells_of(UnitRow, row)
+        self.row: Final = cells_of(records.UnitRow, row)
         self._record: Final = row  # the same memory, as compiled code takes it
         fresh: Any = np.zeros(1, READERS_ROW).view(np.recarray)[0] if readers is None else readers
         self.readers: Final[Any] = cells_of(ReadersRow, fresh)
@@ -139,7 +118,7 @@ class UnitMotion:
 
     # the path that the train is on ------------------------------------------------------------------------------
 
-    def stand_at_start(self, mission: Mission, path: PathData, odometer_m: float) -> None:
+    def stand_at_start(self, mission: Mission, path: records.PathData, odometer_m: float) -> None:
         """The crew has entered a train number at its first mark: that is where the train stands."""
         row = self.row
         row.odometer_m, row.odometer_scale = odometer_m, row.odometer_scale or 1.0
@@ -150,13 +129,13 @@ class UnitMotion:
         row.tag_window_m = self._parameters.tag_window_m
         self._take_up(mission, path)
 
-    def go_on(self, mission: Mission, path: PathData) -> None:
+    def go_on(self, mission: Mission, path: records.PathData) -> None:
         """Another train number in the same direction: the same place on another path."""
         kept = self._doubt.leave_path(turned=False)
         self.row.position_m = front_on(mission, self._placed, float(self.row.position_m), self._length_m)
         self._take_up(mission, path, kept)
 
-    def turn(self, mission: Mission, path: PathData) -> None:
+    def turn(self, mission: Mission, path: records.PathData) -> None:
         """The driver has changed ends: what was the rear is the front, on the next mission's path."""
         row = self.row
         kept = self._doubt.leave_path(turned=True)
@@ -164,7 +143,9 @@ class UnitMotion:
         row.bound_ahead_m, row.bound_behind_m = row.bound_behind_m, row.bound_ahead_m
         self._take_up(mission, path, kept)
 
-    def switch_on(self, mission: Mission, path: PathData, odometer_m: float, speed_mps: float) -> None:
+    def switch_on(
+        self, mission: Mission, path: records.PathData, odometer_m: float, speed_mps: float
+    ) -> None:
         """A unit that boots: position forgotten, the emergency brake applied, its sensors as they show now."""
         row = self.row
         row.odometer_m, row.odometer_scale = odometer_m, 1.0
@@ -175,9 +156,9 @@ class UnitMotion:
         self._take_up(mission, path)
         row.position_known = 0
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = row.stop_limit_m = math.inf
-        row.intervention = EMERGENCY_INTERVENTION
+        row.intervention = records.EMERGENCY_INTERVENTION
 
-    def _take_up(self, mission: Mission, path: PathData, kept: Sequence[FrontAtCount] = ()) -> None:
+    def _take_up(self, mission: Mission, path: records.PathData, kept: Sequence[FrontAtCount] = ()) -> None:
         row = self.row
         self._mission, self._placed, self._off_plan = mission, mission, False
         self._starts_m, self._ends_m = [x.start_m for x in mission.spans], [x.end_m for x in mission.spans]
@@ -191,7 +172,7 @@ class UnitMotion:
         self._fixes.take_up(mission, virtual=not self.reads_tags)
         self._pace.take_up(path.rows)
         self.crossings.take_up(mission)
-        row.mode = MODE_HOLD
+        row.mode = records.MODE_HOLD
         row.target_stop_m = row.mark_m = row.position_m
         self._expect_tag()
 
@@ -208,7 +189,7 @@ class UnitMotion:
     def place(self) -> PlaceInJoints:
         """Where the train is now, in joints of the plan."""
         row, mission = self.row, self._mission
-        emergency = bool(row.intervention == EMERGENCY_INTERVENTION)
+        emergency = bool(row.intervention == records.EMERGENCY_INTERVENTION)
         stands = bool(row.speed_mps == 0.0)
         if mission is None or not row.position_known:  # who does not know where it is can only try the radio
             return PlaceInJoints(stands=stands, emergency=emergency, unfit=self.vehicle.unfit)
@@ -306,34 +287,34 @@ class UnitMotion:
         """What the compiled tick reported."""
         row = self.row
         happened: list[Sensed] = []
-        if bits & EVENT_TACHOMETER:
+        if bits & records.EVENT_TACHOMETER:
             self.notes.append(notes.TachometerFault(speed_mps=round(float(row.speed_mps), 2)))
             wheels = Wheels.FALSE if row.wheel_slide == 0 else Wheels.DOUBTED
             happened += self._lose("the tachometer shows what cannot be", wheels)
-        if bits & EVENT_FIX and self._fixes.sign_missed(self._next_target()):
+        if bits & records.EVENT_FIX and self._fixes.sign_missed(self._next_target()):
             self._impossible(StopVerdict.TARGET_NOT_SEEN)
-        if bits & EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
+        if bits & records.EVENT_CONTRADICTED and not self.reads_tags and row.position_known:
             happened += self._lose("fixes miss the bounds of the position")
         happened += self._taken_up(self._fixes.take_events(bits, self.command))
-        if bits & EVENT_VERDICT:
+        if bits & records.EVENT_VERDICT:
             self._note_impossible()
-        if bits & EVENT_TAG_OVERDUE:
+        if bits & records.EVENT_TAG_OVERDUE:
             if self.command.target is not None:
                 self._impossible(StopVerdict.TARGET_NOT_SEEN)
             happened += self._lose("expected tag was not read", self._doubt.wheels_by_overdue(self._due_m))
-        if bits & EVENT_INTERVENTION:
+        if bits & records.EVENT_INTERVENTION:
             self.notes.append(notes.Intervention(level=int(row.intervention)))
-        if bits & EVENT_MOVING:
+        if bits & records.EVENT_MOVING:
             self._stood_m = None
             happened.append(WheelsTurning())
-        if bits & EVENT_STOPPED:
+        if bits & records.EVENT_STOPPED:
             self._stood_m = float(row.odometer_m)
             happened += self._stopped()
-        if bits & EVENT_IDLE and not (bits & EVENT_STOPPED):
+        if bits & records.EVENT_IDLE and not (bits & records.EVENT_STOPPED):
             happened += self._stands_idle()
-        if bits & EVENT_OFF_PLAN:
+        if bits & records.EVENT_OFF_PLAN:
             self._off_plan = True
-        if bits & (EVENT_POSITION | EVENT_SAFE_REAR | EVENT_OFF_PLAN):
+        if bits & (records.EVENT_POSITION | records.EVENT_SAFE_REAR | records.EVENT_OFF_PLAN):
             happened.append(Looked())
         return happened
 
@@ -418,7 +399,7 @@ class UnitMotion:
         row.expected_tag_m = row.rear_trigger_m = row.position_trigger_m = math.inf
         row.position_known, self._to_be_seen = 0, False
         row.restricted_mps = self._pace.sight_mps
-        row.intervention = EMERGENCY_INTERVENTION
+        row.intervention = records.EMERGENCY_INTERVENTION
         self._pace.give_up_plan()
         return [PositionLost()]
 
@@ -431,9 +412,9 @@ class UnitMotion:
             self.charge.told(command.unable)
         self._look_for_sign(None if command.target is None else self._next_target())
         if DrivingOrder.RELEASE in command.orders:
-            row.intervention = NO_INTERVENTION
+            row.intervention = records.NO_INTERVENTION
         if DrivingOrder.STOP in command.orders:
-            row.intervention = EMERGENCY_INTERVENTION
+            row.intervention = records.EMERGENCY_INTERVENTION
         if DrivingOrder.LOSE in command.orders:
             self._lose(NO_ROOM)
         restricted = command.on_sight or command.sweeps or roads.creeps or not row.position_known
@@ -461,11 +442,11 @@ class UnitMotion:
         if aim_m != row.target_stop_m:
             row.target_stop_m = row.mark_m = aim_m
             row.braking_to_stop = 0
-        may_run = command.drive and row.intervention != EMERGENCY_INTERVENTION
+        may_run = command.drive and row.intervention != records.EMERGENCY_INTERVENTION
         if self.charge is not None and mission is not None and command.stands_at is not None:
             self.charge.on_sight(mission, command.stands_at)
             may_run = may_run and not self.charge.connected
-        row.mode = MODE_DRIVE if may_run else MODE_HOLD
+        row.mode = records.MODE_DRIVE if may_run else records.MODE_HOLD
 
     def _run(self, command: DrivingCommand, now_s: float) -> None:
         row, mission, roads = self.row, self._mission, command.crossings
@@ -473,7 +454,7 @@ class UnitMotion:
             return
         limit_m = self.crossings.nearer(joint_m := self._joint_m(command.limit.joint), roads.guarded)
         moved, row.stop_limit_m = limit_m != row.stop_limit_m and row.speed_mps == 0.0, limit_m
-        row.mode = MODE_DRIVE if command.drive else MODE_HOLD
+        row.mode = records.MODE_DRIVE if command.drive else records.MODE_HOLD
         if DrivingOrder.DEPART in command.orders:
             row.braking_to_stop = 0
         if DrivingOrder.DEPART in command.orders or DrivingOrder.RESUME in command.orders:

@@ -168,9 +168,8 @@ def plan_of(mission: Mission, length_m: float) -> DutyPlan:
     for target in mission.targets:
         rear_m = target.mark_m - ARRIVED_ON_SIGHT_WITHIN_M - length_m
         at = mission.span_index(target.section_id)
-        on_track = (
-            mission.spans[at].kind is not SectionKind.BETWEEN
-        )  # at a halt on open line nothing is released
+        # at a halt on open line nothing is released
+        on_track = mission.spans[at].kind is not SectionKind.BETWEEN
         clear = bisect_right(ends_m, rear_m) if on_track else 0
         read = zip(mission.tags, tags, strict=True)
         by_tag = max((tag.clear for laid, tag in read if laid.position_m <= target.mark_m), default=0)

@@ -19,29 +19,10 @@ from onboard.authority import records as auth
 from onboard.authority.letters import Letters
 from onboard.crossings.machine import CrossingPlace
 from onboard.crossings.talk import CrossingTalk
+from onboard.duty import records
 from onboard.duty.duty_step import NEVER_S, Action
 from onboard.duty.machine import TABLE, step
 from onboard.duty.orders import leads_on
-from onboard.duty.records import (
-    LEAVE,
-    Begin,
-    CreepOver,
-    DrivingCommand,
-    DrivingOrder,
-    DutyState,
-    Event,
-    Happening,
-    Looked,
-    NoSuchWay,
-    OffTheLine,
-    PlaceInJoints,
-    SetTimerAt,
-    SwitchedOn,
-    TakeUpWay,
-    TelegramHeard,
-    TimerDue,
-    Told,
-)
 from onboard.duty.shown import command_of
 from onboard.duty_parameters import DutyParameters
 from onboard.plan import NO_PLAN, DutyPlan
@@ -58,8 +39,8 @@ class Report(msgspec.Struct, frozen=True):
     crossings of its path; None: it does not know where it is.
     """
 
-    place: PlaceInJoints
-    happened: tuple[Happening, ...] = ()
+    place: records.PlaceInJoints
+    happened: tuple[records.Happening, ...] = ()
     claims_besides: tuple[str, ...] = ()
     crossings: tuple[CrossingPlace, ...] | None = ()
 
@@ -78,8 +59,8 @@ class UnitAnswer(msgspec.Struct, frozen=True):
     """
 
     telegrams: tuple[Telegram, ...]
-    command: DrivingCommand
-    told: tuple[Told, ...]
+    command: records.DrivingCommand
+    told: tuple[records.Told, ...]
     notes: tuple[notes.Note, ...]
     wake_at_s: float | None
 
@@ -105,10 +86,10 @@ class OnboardUnit:
     ) -> None:
         self.unit_id: Final = unit_id
         unsure = endpoint.epoch > 1 if perhaps_on_line is None else perhaps_on_line
-        self.state = DutyState(authority=auth.Authority(unsure=unsure))
+        self.state = records.DutyState(authority=auth.Authority(unsure=unsure))
         self.plan: DutyPlan = NO_PLAN
-        self._command: DrivingCommand | None = None
-        self._command_of: tuple[DutyPlan, DutyState] = (self.plan, self.state)
+        self._command: records.DrivingCommand | None = None
+        self._command_of: tuple[DutyPlan, records.DutyState] = (self.plan, self.state)
         self._parameters: Final = parameters
         self._endpoint: Final = endpoint
         self._letters: Final = Letters(unit_id, manager_id)
@@ -116,16 +97,16 @@ class OnboardUnit:
         self._elapsed: Final = Elapsed()
         self._timers: dict[auth.Timer, _RunsOut] = {}
         self._telegrams: list[Telegram] = []
-        self._told: list[Told] = []
+        self._told: list[records.Told] = []
         self._notes: list[notes.Note] = []
-        self._orders: list[DrivingOrder] = []
+        self._orders: list[records.DrivingOrder] = []
 
     def advance(self, now_s: float, telegrams: Sequence[bytes], sensed: Report) -> UnitAnswer:
         """Act at `now_s` on what happened, on telegrams, on timers, in this order."""
         elapsed_s = self._elapsed.at(now_s)
         place = self._at_crossing(sensed.place, elapsed_s)
         for event in sensed.happened:
-            if isinstance(event, CreepOver):
+            if isinstance(event, records.CreepOver):
                 self._crossings.creep(event.crossing_id, elapsed_s, guarded=event.guarded)
             else:
                 self._take(event, place, now_s)
@@ -133,7 +114,7 @@ class OnboardUnit:
             self._open(data, place, now_s)
         while (timer := self._next_due(now_s)) is not None:
             del self._timers[timer]
-            self._take(TimerDue(timer), place, now_s)
+            self._take(records.TimerDue(timer), place, now_s)
         self._look_at_crossings(sensed, now_s)
         crossings = self._crossings.command(elapsed_s)
         command = msgspec.structs.replace(
@@ -154,27 +135,27 @@ class OnboardUnit:
         self._telegrams, self._told, self._notes, self._orders = [], [], [], []
         return answer
 
-    def _commanded(self) -> DrivingCommand:
+    def _commanded(self) -> records.DrivingCommand:
         """The command of the duty as it stands; many telegrams change nothing of it."""
         of = (self.plan, self.state)
         if self._command is None or self._command_of[0] is not of[0] or self._command_of[1] is not of[1]:
             self._command, self._command_of = command_of(*of), of
         return self._command
 
-    def _at_crossing(self, place: PlaceInJoints, elapsed_s: float) -> PlaceInJoints:
+    def _at_crossing(self, place: records.PlaceInJoints, elapsed_s: float) -> records.PlaceInJoints:
         """The place with the level crossing that the train, if it stands, waits for."""
         waits_at = self._crossings.start_held_by(elapsed_s)
         return msgspec.structs.replace(place, crossing=waits_at) if waits_at else place
 
     def _look_at_crossings(self, sensed: Report, now_s: float) -> None:
         """How the train is to level crossings now; who waits at its stop for one that has proved closed leaves."""
-        elapsed_s, leave = self._elapsed.at(now_s), self._timers.get(LEAVE)
+        elapsed_s, leave = self._elapsed.at(now_s), self._timers.get(records.LEAVE)
         unset_s = 0.0 if self.state.may_leave else math.inf
         leaves_in_s = unset_s if leave is None else self._shown_at(leave) - now_s
         self._crossings.look(sensed.crossings, self.state, leaves_in_s, elapsed_s)
         place = self._at_crossing(sensed.place, elapsed_s)
         if place.crossing != self.state.place.crossing:
-            self._take(Looked(), place, now_s)
+            self._take(records.Looked(), place, now_s)
         for letter in self._crossings.letters:
             data = self._endpoint.seal(letter.crossing_id, letter.message, now_s, letter.correlation)
             self._telegrams.append(Telegram(letter.crossing_id, data))
@@ -182,31 +163,31 @@ class OnboardUnit:
         self._crossings.letters.clear()
         self._crossings.notes.clear()
 
-    def _take(self, event: Event, place: PlaceInJoints, now_s: float) -> None:
-        if DrivingOrder.LOSE in self._orders:  # its driving part has yet to obey
+    def _take(self, event: records.Event, place: records.PlaceInJoints, now_s: float) -> None:
+        if records.DrivingOrder.LOSE in self._orders:  # its driving part has yet to obey
             place = msgspec.structs.replace(place, known=False, emergency=True)
-        if isinstance(event, OffTheLine):
+        if isinstance(event, records.OffTheLine):
             self._crossings.off_the_line(self._elapsed.at(now_s))
-        if isinstance(event, TakeUpWay) and not leads_on(self.plan, self.state, event.plan):
-            event = NoSuchWay()
-        if isinstance(event, Begin) and (self.state.phase, Begin) not in TABLE:
+        if isinstance(event, records.TakeUpWay) and not leads_on(self.plan, self.state, event.plan):
+            event = records.NoSuchWay()
+        if isinstance(event, records.Begin) and (self.state.phase, records.Begin) not in TABLE:
             return  # a number is entered before the first train, and when one is over
-        if isinstance(event, Begin | SwitchedOn | TakeUpWay):
+        if isinstance(event, records.Begin | records.SwitchedOn | records.TakeUpWay):
             self.plan = event.plan
-        if isinstance(event, SwitchedOn):
+        if isinstance(event, records.SwitchedOn):
             event = msgspec.structs.replace(event, epoch=self._endpoint.epoch)
         self.state, actions = step(self.plan, self._parameters, self.state, event, place, now_s)
         for action in actions:
             self._do(action, now_s)
 
-    def _open(self, data: bytes, place: PlaceInJoints, now_s: float) -> None:
+    def _open(self, data: bytes, place: records.PlaceInJoints, now_s: float) -> None:
         """A telegram from the air: checked, written down, and put to the machine as it relates to what is open."""
         opened = self._endpoint.open(data, now_s)
         if isinstance(opened, Dropped):
             self._notes.append(opened.noted(self.unit_id))
             source = "" if opened.envelope is None else opened.envelope.source
             if (called := self._letters.read_dropped(opened.reason, source)) is not None:
-                self._take(TelegramHeard(called), place, now_s)
+                self._take(records.TelegramHeard(called), place, now_s)
             return
         self._notes.append(opened.noted(self.unit_id))
         if self._crossings.hear(opened, self._elapsed.at(now_s)):
@@ -215,7 +196,7 @@ class OnboardUnit:
         if isinstance(event, auth.Ordered):
             self._take(event, place, now_s)
         elif event is not None:
-            self._take(TelegramHeard(event), place, now_s)
+            self._take(records.TelegramHeard(event), place, now_s)
 
     def _shown_at(self, runs_out: _RunsOut) -> float:
         """What the clock shows when a timer runs out."""
@@ -235,13 +216,13 @@ class OnboardUnit:
                 self._letters.keep(action)
             case auth.SetTimer(timer, after_s):
                 self._timers[timer] = _RunsOut(self._elapsed.at(now_s) + after_s, NEVER_S)
-            case SetTimerAt(timer, at_s, after_s):
+            case records.SetTimerAt(timer, at_s, after_s):
                 self._timers[timer] = _RunsOut(self._elapsed.at(now_s) + after_s, at_s)
             case auth.StopTimer(timer):
                 self._timers.pop(timer, None)
             case auth.Write(note):
                 self._notes.append(self._letters.with_token(note))
-            case DrivingOrder():
+            case records.DrivingOrder():
                 self._orders.append(action)
             case _:
                 self._told.append(action)

@@ -24,26 +24,7 @@ from onboard.localisation.table import READER_NAMES
 from radio.envelope import DropReason
 from radio.messages import AnyMessage, PointsRefusalReason, RefusalReason
 from radio.noted import Lost, Sent, TelegramDropped, TookEffect, key_of
-from simulation.events import (
-    EVENTS,
-    WORLD,
-    Accepted,
-    Acted,
-    Author,
-    EventType,
-    FaultBegan,
-    FaultOver,
-    Outside,
-    ProcedureStep,
-    SignalActed,
-    SignalPassed,
-    SignalShows,
-    StepLeftOut,
-    StepOutOfOrder,
-    StepRefused,
-    authors_of,
-    word_of,
-)
+from simulation import events
 from simulation.faults.fault import Names
 from simulation.faults.links import FaultyLink, LinkFault
 from simulation.faults.script import WORDS_HELP, ActKind, Matcher, matcher_of
@@ -90,7 +71,7 @@ _VERDICTS: Final = tuple(verdict.name.lower().replace("_", " ") for verdict in S
 _TELEGRAMS: Final = tuple(message.__name__ for message in get_args(AnyMessage))
 _STANDINGS: Final = tuple(standing.value for standing in UnitStanding)
 # The same where it depends on the event: every word that it can be.
-_WORDS: Final[Mapping[tuple[EventType, str], tuple[object, ...]]] = {
+_WORDS: Final[Mapping[tuple[events.EventType, str], tuple[object, ...]]] = {
     (notes.MissionBegun, "direction"): ("down", "up"),
     (notes.Intervention, "level"): (0, 1, 2),
     (notes.StopImpossible, "why"): _VERDICTS,
@@ -107,19 +88,19 @@ _WORDS: Final[Mapping[tuple[EventType, str], tuple[object, ...]]] = {
     (notes.ThrowDenied, "why"): _told(PointsRefusalReason),
     (said.ThrowRefused, "why"): tuple(reason.name for reason in PointsRefusalReason),
     (said.PictureChanged, "stage"): tuple(stage.value for stage in ReentryStage),
-    (Accepted, "was"): _STANDINGS,
-    (Outside, "was"): _STANDINGS,
+    (events.Accepted, "was"): _STANDINGS,
+    (events.Outside, "was"): _STANDINGS,
     (TelegramDropped, "why"): tuple(reason.value for reason in DropReason),
-    (FaultBegan, "kind"): tuple(FAULTS),
-    (FaultOver, "kind"): tuple(FAULTS),
-    (Acted, "act"): tuple(kind.value for kind in ActKind),
+    (events.FaultBegan, "kind"): tuple(FAULTS),
+    (events.FaultOver, "kind"): tuple(FAULTS),
+    (events.Acted, "act"): tuple(kind.value for kind in ActKind),
     **{
         (event, "step"): tuple(step.value for step in WorkingStep)
-        for event in (ProcedureStep, StepLeftOut, StepOutOfOrder, StepRefused)
+        for event in (events.ProcedureStep, events.StepLeftOut, events.StepOutOfOrder, events.StepRefused)
     },
-    (SignalActed, "does"): tuple(deed.value for deed in SignalDeed),
-    (SignalShows, "aspect"): tuple(aspect.value for aspect in Aspect),
-    (SignalPassed, "aspect"): tuple(aspect.value for aspect in Aspect),
+    (events.SignalActed, "does"): tuple(deed.value for deed in SignalDeed),
+    (events.SignalShows, "aspect"): tuple(aspect.value for aspect in Aspect),
+    (events.SignalPassed, "aspect"): tuple(aspect.value for aspect in Aspect),
     **{(event, "kind"): _TELEGRAMS for event in (Sent, Lost, TelegramDropped, TookEffect)},
 }
 
@@ -141,7 +122,7 @@ def matcher_in(
     matcher = matcher_of(given) if isinstance(given, str) else _table(file, key, given, names, exact=exact)
     if matcher is None:
         raise InputError(file, key, given, or_else + WORDS_HELP)
-    parties = (*names.units, *names.devices, WORLD, *names.people)
+    parties = (*names.units, *names.devices, events.WORLD, *names.people)
     if matcher.who is not None and matcher.who not in parties:
         raise InputError(file, f"{key}.who", matcher.who, one_of(parties, matcher.who))
     if isinstance(given, str):
@@ -156,9 +137,9 @@ def _table(file: str, key: str, given: Mapping[str, Any], names: Names, *, exact
     """An event written as a table: `what` it is, `who` wrote it, `of_train`, and data by the journal's keys."""
     data = dict(given)
     what = data.pop("what", None)
-    event = EVENTS.get(what) if isinstance(what, str) else None
+    event = events.EVENTS.get(what) if isinstance(what, str) else None
     if event is None:
-        raise InputError(file, f"{key}.what", what, one_of(sorted(EVENTS), str(what)))
+        raise InputError(file, f"{key}.what", what, one_of(sorted(events.EVENTS), str(what)))
     who, train = data.pop("who", None), data.pop("of_train", None)
     for name, word in (("who", who), ("of_train", train)):
         if word is not None and not isinstance(word, str):
@@ -204,24 +185,28 @@ def _is_open(kind: Any) -> bool:  # noqa: ANN401
     return kind in (str, float) or any(map(_is_open, get_args(kind)))
 
 
-def _check_known(file: str, key: str, event: EventType, name: str, value: object, names: Names) -> bool:
+def _check_known(
+    file: str, key: str, event: events.EventType, name: str, value: object, names: Names
+) -> bool:
     """Whether it is known what the field may hold; InputError if the value, or one of a list, is none of that."""
     by_name = _NAMED.get(name)
     known = _WORDS.get((event, name), None if by_name is None else tuple(by_name(names)))
     if known is None:
-        return event in (FaultBegan, FaultOver, Acted) and name == "target"
+        return event in (events.FaultBegan, events.FaultOver, events.Acted) and name == "target"
     for item in value if is_list(value) else (value,):
         if item not in known and not (name == "tag_id" and str(item) in known):
             raise InputError(file, key, item, one_of(map(str, known), str(item)))
     return True
 
 
-def _check_target(file: str, key: str, event: EventType, data: Mapping[str, Any], names: Names) -> None:
+def _check_target(
+    file: str, key: str, event: events.EventType, data: Mapping[str, Any], names: Names
+) -> None:
     """The target of a fault is one of its kind, that of an act something that people act on."""
     target = data.get("target")
-    if target is None or event not in (FaultBegan, FaultOver, Acted):
+    if target is None or event not in (events.FaultBegan, events.FaultOver, events.Acted):
         return
-    if event is Acted:
+    if event is events.Acted:
         known = ("", *names.units, *names.devices, *names.points, *names.posts)
         if target not in known:
             raise InputError(file, f"{key}.target", target, one_of(known[1:], str(target)))
@@ -248,20 +233,20 @@ def _check_author(file: str, key: str, matcher: Matcher, names: Names) -> None:
     if matcher.who is None:
         return
     own = _author(matcher.who, names)
-    authors = {author for event in matcher.events for author in authors_of(event)}
+    authors = {author for event in matcher.events for author in events.authors_of(event)}
     if own not in authors:
         words = " or ".join(sorted(author.value for author in authors))
-        expected = f"who writes {' or '.join(map(word_of, matcher.events))}: {words}"
+        expected = f"who writes {' or '.join(map(events.word_of, matcher.events))}: {words}"
         raise InputError(file, f"{key}.who", matcher.who, expected)
 
 
-def _author(who: str, names: Names) -> Author:
-    if who == WORLD:
-        return Author.WORLD
+def _author(who: str, names: Names) -> events.Author:
+    if who == events.WORLD:
+        return events.Author.WORLD
     if who == MANAGER_ID:
-        return Author.MANAGER
+        return events.Author.MANAGER
     if who in names.units:
-        return Author.UNIT
+        return events.Author.UNIT
     if who in names.crossings:
-        return Author.CROSSING
-    return Author.TERMINAL if who in names.devices else Author.PERSON
+        return events.Author.CROSSING
+    return events.Author.TERMINAL if who in names.devices else events.Author.PERSON

@@ -9,10 +9,8 @@ from simulation.setup import behaviour_row
 from vehicle.adhesion import grip_mps2
 from vehicle.train_file import TrainType
 
-BRAKES: Final = (
-    "service_guaranteed",
-    "emergency_guaranteed",
-)  # each a share in `[driving]`, and what it comes to
+# each a share in `[driving]`, and what it comes to
+BRAKES: Final = ("service_guaranteed", "emergency_guaranteed")
 
 
 def design_grip_mps2(driving: Driving, train: TrainType, speed_mps: float) -> float:

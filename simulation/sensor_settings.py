@@ -8,22 +8,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from network.files import quantities
 from network.files.kinds import about
-from network.files.quantities import (
-    BodyDamping,
-    BodyFrequency,
-    CorrelationTime,
-    MarkerError,
-    NoiseFactor,
-    ReadError,
-    SampleRate,
-    Share,
-    Sigma,
-    SpeedMps,
-    SpreadShare,
-    VisibilityM,
-    YawRateDegps,
-)
 from network.files.toml_input import Record
 from onboard.localisation.beacons import BeaconWindow
 from onboard.localisation.curvature_row import CurvatureComparison
@@ -47,14 +33,14 @@ class Beacons(BeaconWindow):
         ),
     ] = BeaconTrust.BOUNDED
     notice_sigma_m: Annotated[
-        ReadError,
+        quantities.ReadError,
         about(
             "standard deviation of the place where a beacon is detected",
             "assumed: a loop of half a metre under the car",
         ),
     ] = 0.15
     notice_max_m: Annotated[
-        ReadError, about("greatest error of that place", "assumed: the edge of its field")
+        quantities.ReadError, about("greatest error of that place", "assumed: the edge of its field")
     ] = 0.5
 
 
@@ -93,52 +79,53 @@ class Curvature(CurvatureComparison):
         ),
     ] = Rails.HIGH
     sample_sigma_degps: Annotated[
-        YawRateDegps,
+        quantities.YawRateDegps,
         about(
             "standard deviation of one sample of the gyro",
             "ASM330LHH in the cab of an ETR103 (ETH-PBL/Railway-Precise-Localization): 0.16 to 0.21, mostly its own"
             " white noise",
         ),
     ] = 0.19
-    sample_rate_hz: Annotated[SampleRate, about("sampling rate of the gyro", "the same record: 1.7 kHz")] = (
-        1700.0
-    )
+    sample_rate_hz: Annotated[
+        quantities.SampleRate, about("sampling rate of the gyro", "the same record: 1.7 kHz")
+    ] = 1700.0
     noise_factor: Annotated[
-        NoiseFactor, about("factor of the gyro's noise; units rely on 1", "the record is factor 1")
+        quantities.NoiseFactor, about("factor of the gyro's noise; units rely on 1", "the record is factor 1")
     ] = 1.0
     bias_sigma_degps: Annotated[
-        YawRateDegps,
+        quantities.YawRateDegps,
         about(
             "standard deviation of the bias, among trains",
             "the same record: some 0.8 at a stand; ASM330LHH: 1 typical",
         ),
     ] = 0.5
     bias_walk_degps: Annotated[
-        YawRateDegps,
+        quantities.YawRateDegps,
         about(
             "standard deviation of the bias's slow change",
             "assumed: 0.005 deg/s a kelvin (ASM330LHH), 2 kelvin in the cab",
         ),
     ] = 0.01
     bias_walk_s: Annotated[
-        CorrelationTime, about("time constant of that change", "assumed: a cab warms in an hour")
+        quantities.CorrelationTime, about("time constant of that change", "assumed: a cab warms in an hour")
     ] = 3600.0
     gain_sigma: Annotated[
-        Sigma,
+        quantities.Sigma,
         about(
             "standard deviation of shown over real yaw rate, among trains",
             "assumed: calibrated on a turntable",
         ),
     ] = 0.001
     body_frequency_hz: Annotated[
-        BodyFrequency, about("natural frequency of the car body in yaw", "assumed: as most cars have")
+        quantities.BodyFrequency,
+        about("natural frequency of the car body in yaw", "assumed: as most cars have"),
     ] = 1.0
     body_damping: Annotated[
-        BodyDamping,
+        quantities.BodyDamping,
         about("damping of the car body in yaw, as a share of the critical one", "assumed: with yaw dampers"),
     ] = 0.3
     body_spread: Annotated[
-        SpreadShare, about("greatest difference of both among trains", "assumed: load and wear")
+        quantities.SpreadShare, about("greatest difference of both among trains", "assumed: load and wear")
     ] = 0.1
     filter: Annotated[
         Filter,
@@ -146,7 +133,8 @@ class Curvature(CurvatureComparison):
         about("filter of map and run: by distance, by time, or none", "Harada, 3.3: by distance"),
     ] = Filter.SPACE
     filter_speed_mps: Annotated[
-        SpeedMps, about("speed at which a filter by time equals one by distance", "assumed: 72 km/h")
+        quantities.SpeedMps,
+        about("speed at which a filter by time equals one by distance", "assumed: 72 km/h"),
     ] = 20.0
 
     def stated_sigma_radps(self, step_s: float) -> float:
@@ -158,17 +146,17 @@ class Lidar(Record):
     """`[lidar]`: what the LiDARs of trains that carry one see of markers (`sensors.carries`)."""
 
     visibility_m: Annotated[
-        VisibilityM,
+        quantities.VisibilityM,
         about(
             "visibility in fog, rain and snow; the LiDAR sees markers about as far as people do",
             "assumed: a clear day",
         ),
     ] = 20_000.0
     dirt_share: Annotated[
-        Share,
+        quantities.Share,
         about("share of the light lost in dirt on its window, each way", "assumed: a day after cleaning"),
     ] = 0.05
     laid_within_m: Annotated[
-        MarkerError,
+        quantities.MarkerError,
         about("markers lie within so much of where the line has them", "assumed: laid by tape from a peg"),
     ] = 0.03

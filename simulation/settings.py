@@ -12,25 +12,9 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, model_validator
 
+from network.files import quantities
 from network.files.kinds import about
 from network.files.part_of_day import PartOfDay
-from network.files.quantities import (
-    BitErrorFactor,
-    Conicity,
-    Creep,
-    Days,
-    DelayMin,
-    Distance,
-    Flangeway,
-    FrameRate,
-    Overtaken,
-    ReadError,
-    RunLimit,
-    Share,
-    SpreadShare,
-    Wait,
-    WheelError,
-)
 from network.files.toml_input import Record
 from onboard.driving.laws.settings import LawTables
 from onboard.driving.planner.wish import Planning
@@ -102,14 +86,14 @@ class Sensors(Record):
         )
 
     wheel_factor_sigma: Annotated[
-        WheelError,
+        quantities.WheelError,
         about(
             "standard deviation of real over assumed wheel circumference, among trains",
             "assumed: wear between two turnings",
         ),
     ] = 0.003
     creep_share: Annotated[
-        Creep,
+        quantities.Creep,
         about(
             "share by which the measured wheel turns more when it pulls at the adhesion limit, and less when it"
             " brakes there; in proportion below",
@@ -118,14 +102,14 @@ class Sensors(Record):
         ),
     ] = 0.0
     tread_conicity: Annotated[
-        Conicity,
+        quantities.Conicity,
         about(
             "slope of the treads: in curves a leading axle runs outwards, on the outer wheel's larger circle",
             "off; Harada, 2.1. Assumed where it is on: 0.05, a new cone of 1 in 20",
         ),
     ] = 0.0
     flangeway_m: Annotated[
-        Flangeway,
+        quantities.Flangeway,
         about("lateral play by which an axle may run outwards", "assumed: half the play of 1067 mm gauge"),
     ] = 0.007
     tachometer_axle: Annotated[
@@ -136,20 +120,21 @@ class Sensors(Record):
         ),
     ] = "leading"
     tag_read_sigma_m: Annotated[
-        ReadError,
+        quantities.ReadError,
         about(
             "standard deviation of the place where a tag is read", "assumed: a reader's field of about 0.1 m"
         ),
     ] = 0.05
     tag_read_max_m: Annotated[
-        ReadError, about("the reader discards readings beyond this", "assumed: the edge of its field")
+        quantities.ReadError,
+        about("the reader discards readings beyond this", "assumed: the edge of its field"),
     ] = 0.2
     tags: Annotated[
         Literal["ids", "bits"],
         about("a tag's id is read as it stands, or from telegrams bit by bit with the errors of the air"),
     ] = "ids"
     tag_bit_error_factor: Annotated[
-        BitErrorFactor,
+        quantities.BitErrorFactor,
         about(
             "factor of the bit-error rates, where tags are read bit by bit", "Sugiyama, table 7, is factor 1"
         ),
@@ -160,17 +145,17 @@ class Load(Record):
     """The passengers: shares of the load when full, drawn per train number."""
 
     load_share_mean: Annotated[
-        Share, about("mean load as a share of the full one", "assumed: a branch line")
+        quantities.Share, about("mean load as a share of the full one", "assumed: a branch line")
     ] = 0.2
     load_share_spread: Annotated[
-        SpreadShare, about("train to train, evenly within +-", "assumed: peak and off-peak")
+        quantities.SpreadShare, about("train to train, evenly within +-", "assumed: peak and off-peak")
     ] = 0.15
 
 
 class Tuning(Record):
     """`[tuning]`: trains learn to stop; the table alone switches it on."""
 
-    days: Annotated[Days, about("how often the day is repeated; the last one is reported")] = 1
+    days: Annotated[quantities.Days, about("how often the day is repeated; the last one is reported")] = 1
     learn: Annotated[bool, about("whether trains go on learning")] = True
     learned: Annotated[
         str | None, about("file that an earlier run left (`learned.json`), beside the scenario")
@@ -202,7 +187,7 @@ class Vision(Record):
         about("ids of stations with signs, or all"),
     ] = "all"
     rate_hz: Annotated[
-        FrameRate,
+        quantities.FrameRate,
         about(
             "frames taken up; the camera has more, but errors of neighbours are alike",
             "assumed: half of the camera's",
@@ -222,11 +207,11 @@ class Vision(Record):
         about("parts of the day with another light; the first that holds counts"),
     ] = ()
     hidden_beyond_m: Annotated[
-        Distance,
+        quantities.Distance,
         about("curves and buildings hide signs that are further off", "assumed: nothing does"),
     ] = 1000.0
     false_share: Annotated[
-        Share,
+        quantities.Share,
         about(
             "share of the frames that take something else for the sign, anywhere in range",
             "assumed: none beyond those rendered",
@@ -249,10 +234,11 @@ class Limits(Record):
     """`[limits]`: when a run ends whatever happens."""
 
     time_limit_s: Annotated[
-        RunLimit, about("the run ends this long after the last planned time", "assumed: an hour of delay")
+        quantities.RunLimit,
+        about("the run ends this long after the last planned time", "assumed: an hour of delay"),
     ] = 3600.0
     stall_limit_s: Annotated[
-        RunLimit,
+        quantities.RunLimit,
         about(
             "or when no train has moved for this long although one waits for a section", "assumed: an hour"
         ),
@@ -282,11 +268,11 @@ class Operation(Record):
         ),
     ] = Interlocking.ONBOARD
     staff_reach_s: Annotated[
-        Wait,
+        quantities.Wait,
         about("`relay`: from a cut until staff are at the stations beyond it", "assumed: an hour by road"),
     ] = 3600.0
     telephone_block_s: Annotated[
-        Wait,
+        quantities.Wait,
         about(
             "`relay`: staff of two stations agree on a train by telephone and write it down (代用閉そく)",
             "assumed: three minutes",
@@ -306,11 +292,11 @@ class Operation(Record):
     ] = None
 
     portal_lead_s: Annotated[
-        Wait,
+        quantities.Wait,
         about("a train stands at the portal this long before its first departure", "assumed: 3.5 min"),
     ] = 210.0
     change_ends_s: Annotated[
-        Wait, about("the driver walks to the other end", "assumed: 40 m and the cabs")
+        quantities.Wait, about("the driver walks to the other end", "assumed: 40 m and the cabs")
     ] = 60.0
     reentry: Annotated[
         ReentryMode,
@@ -336,14 +322,15 @@ class Dispatch(Record):
         ),
     ] = OrderRule.FIRST_COME
     keep_order_below_min: Annotated[
-        DelayMin,
+        quantities.DelayMin,
         about("the planned order is kept while the train that is first is less late", "assumed: 4 min"),
     ] = 4.0
     hold_min_max: Annotated[
-        DelayMin, about("no train waits for its turn longer than this", "assumed: a quarter of an hour")
+        quantities.DelayMin,
+        about("no train waits for its turn longer than this", "assumed: a quarter of an hour"),
     ] = 15.0
     overtaken_max: Annotated[
-        Overtaken,
+        quantities.Overtaken,
         about("number of trains that may pass before one that waits for the same line", "assumed: two"),
     ] = 2
     may: Annotated[
@@ -373,7 +360,7 @@ class Dispatch(Record):
         ),
     ] = ()
     cancelled_min: Annotated[
-        DelayMin,
+        quantities.DelayMin,
         about(
             "a call that is cancelled counts as so late, in every figure; and so does a train that is cut, whole or in"
             " part, where the dispatcher weighs it",
@@ -381,7 +368,7 @@ class Dispatch(Record):
         ),
     ] = 60.0
     cut_gain_min: Annotated[
-        DelayMin,
+        quantities.DelayMin,
         about(
             "train-minutes that cutting trains must save beyond that, at least; 0: anything, but more than nothing",
             "assumed: 10 min",

@@ -20,9 +20,8 @@ from numba.core import types
 from numpy.typing import NDArray
 
 LIBRARIES: Final = ("math", "numpy")  # theirs is the compiler's, in its version
-FLAGS: Final = (
-    inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
-)  # others numba clears under a profiler
+# all others numba clears under a profiler
+FLAGS: Final = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
 PLAIN: Final = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis))
 
 
@@ -141,9 +140,8 @@ def _constant_text(constant: object) -> str:
     if isinstance(constant, CodeType):
         return constant.co_name  # its own text follows
     if isinstance(constant, frozenset):
-        return repr(
-            sorted(map(repr, cast("frozenset[object]", constant)))
-        )  # their order is of this process alone
+        # their order is of this process alone
+        return repr(sorted(map(repr, cast("frozenset[object]", constant))))
     return repr(constant)
 
 

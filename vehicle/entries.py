@@ -132,9 +132,8 @@ class StoredCode:
 
     def load_overload(self, sig: Types, target: CPUContext) -> compiler.CompileResult | None:
         """Machine code for these types of arguments, for this processor or for any; None: it has to be compiled."""
-        rtsys.initialize(
-            target
-        )  # what machine code allocates by; what the compiler knows it loads when it compiles
+        # what machine code allocates by; what the compiler knows it loads when it compiles
+        rtsys.initialize(target)
         if (kept := self._kept(sig, target)) is not None:
             return kept
         reached = Reached(self._entry.py_func).functions

@@ -61,9 +61,8 @@ def brake_within_n(
     taken_w = max(plant.source_takes_w, 0.0) + train.auxiliary_power_w
     share = plant.motors_share
     back_w = -power_at_grip_w(train, share, -brake_n, speed_mps, grip_n)
-    if (
-        back_w <= taken_w
-    ):  # slow motors take more than they brake; a source that cannot give it ends the electric brake
+    # slow motors take more than they brake; a source that cannot give it ends the electric brake
+    if back_w <= taken_w:
         return brake_n if back_w >= -max(plant.source_gives_w - train.auxiliary_power_w, 0.0) else 0.0
     low_n, high_n = 0.0, brake_n
     for _ in range(HALVINGS):

@@ -20,35 +20,9 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
 from network.errors import InputError
+from network.files import quantities
 from network.files.kinds import about
 from network.files.names import Identifier, Prose, Title
-from network.files.quantities import (
-    Adhesion,
-    AdhesionSlope,
-    AuxiliaryPowerW,
-    BrakeForceN,
-    BrakePowerW,
-    Cars,
-    DeadTime,
-    Deceleration,
-    Efficiency,
-    EfficiencyOr0,
-    ForceN,
-    Jerk,
-    Lag,
-    LoadKg,
-    MassKg,
-    Motors,
-    PowerW,
-    Pulses,
-    RotatingMass,
-    Share,
-    ShareAbove0,
-    SpeedFrom0Mps,
-    SpeedMps,
-    TrainLength,
-    WheelDiameterM,
-)
 from network.files.quantity import OUT_OF_RANGE, Quantity
 from network.files.text_input import existing_file
 from network.files.toml_input import Record, parse_table, read_text
@@ -90,47 +64,51 @@ WRITTEN: Final = {
 class _Body(Record):
     """`[body]`."""
 
-    length_m: Annotated[TrainLength, about("length over couplers")]
-    mass_empty_kg: Annotated[MassKg, about("mass empty, in working order")]
-    mass_load_full_kg: Annotated[LoadKg, about("mass of a full load")]
-    rotating_mass_factor: Annotated[RotatingMass, about("equivalent mass is mass times 1 + this")]
-    cars: Annotated[Cars, about("number of cars")]
+    length_m: Annotated[quantities.TrainLength, about("length over couplers")]
+    mass_empty_kg: Annotated[quantities.MassKg, about("mass empty, in working order")]
+    mass_load_full_kg: Annotated[quantities.LoadKg, about("mass of a full load")]
+    rotating_mass_factor: Annotated[quantities.RotatingMass, about("equivalent mass is mass times 1 + this")]
+    cars: Annotated[quantities.Cars, about("number of cars")]
     motored_mass_share: Annotated[
-        Share, about("share of the mass on motored cars, for the running resistance")
+        quantities.Share, about("share of the mass on motored cars, for the running resistance")
     ]
     motored_axle_mass_share: Annotated[
-        ShareAbove0, about("share of the weight on driven axles, for adhesion")
+        quantities.ShareAbove0, about("share of the weight on driven axles, for adhesion")
     ]
-    speed_max_mps: Annotated[SpeedMps, about("greatest speed")]
+    speed_max_mps: Annotated[quantities.SpeedMps, about("greatest speed")]
 
 
 class _Traction(Record):
     """`[traction]`: force and power limits, or a measured curve in their place."""
 
-    force_max_n: Annotated[ForceN, about("greatest force at the rim")]
-    power_max_w: Annotated[PowerW, about("greatest power at the rim")]
+    force_max_n: Annotated[quantities.ForceN, about("greatest force at the rim")]
+    power_max_w: Annotated[quantities.PowerW, about("greatest power at the rim")]
     weak_field_speed_mps: Annotated[
-        SpeedFrom0Mps, about("above it the force falls with the square of speed; 0: never")
+        quantities.SpeedFrom0Mps, about("above it the force falls with the square of speed; 0: never")
     ] = 0.0
     notch_share: Annotated[
-        list[ShareAbove0],
+        list[quantities.ShareAbove0],
         Field(min_length=1, max_length=NOTCHES_MAX - 1),
         about("share of the full force, by notch"),
     ]
     notch_speed_cap_mps: Annotated[
-        list[SpeedFrom0Mps], about("a notch pulls up to this speed; 0: no cap")
+        list[quantities.SpeedFrom0Mps], about("a notch pulls up to this speed; 0: no cap")
     ] = Field(default_factory=list[float])
     load_compensated: Annotated[bool, about("the force limit grows with the load")] = False
     curve_speed_mps: Annotated[
-        list[SpeedFrom0Mps], Field(max_length=CURVE_ROWS_MAX), about("measured curve: speeds, from 0")
+        list[quantities.SpeedFrom0Mps],
+        Field(max_length=CURVE_ROWS_MAX),
+        about("measured curve: speeds, from 0"),
     ] = Field(default_factory=list[float])
     curve_force_n: Annotated[
-        list[BrakeForceN], Field(max_length=CURVE_ROWS_MAX), about("measured curve: full-notch force")
+        list[quantities.BrakeForceN],
+        Field(max_length=CURVE_ROWS_MAX),
+        about("measured curve: full-notch force"),
     ] = Field(default_factory=list[float])
-    dead_time_s: Annotated[DeadTime, about("time from command to first force")]
-    lag_s: Annotated[Lag, about("time constant of the build-up")]
-    jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
-    motors: Annotated[Motors, about("number of motors")]
+    dead_time_s: Annotated[quantities.DeadTime, about("time from command to first force")]
+    lag_s: Annotated[quantities.Lag, about("time constant of the build-up")]
+    jerk_max_mps3: Annotated[quantities.Jerk, about("limit of the build-up; 0: none")]
+    motors: Annotated[quantities.Motors, about("number of motors")]
 
     @model_validator(mode="after")
     def _lists_agree(self) -> _Traction:
@@ -150,14 +128,14 @@ class _Brakes(Record):
     """`[brakes]`: the service brake, at any load."""
 
     notch_deceleration_mps2: Annotated[
-        list[Deceleration],
+        list[quantities.Deceleration],
         Field(min_length=1, max_length=NOTCHES_MAX - 1),
         about("deceleration by notch, rising"),
     ]
     stepless: Annotated[bool, about("fractional notches are allowed")]
-    dead_time_s: Annotated[DeadTime, about("time from command to first deceleration")]
-    lag_s: Annotated[Lag, about("time constant of the build-up")]
-    jerk_max_mps3: Annotated[Jerk, about("limit of the build-up; 0: none")]
+    dead_time_s: Annotated[quantities.DeadTime, about("time from command to first deceleration")]
+    lag_s: Annotated[quantities.Lag, about("time constant of the build-up")]
+    jerk_max_mps3: Annotated[quantities.Jerk, about("limit of the build-up; 0: none")]
 
     @model_validator(mode="after")
     def _notches_rise(self) -> _Brakes:
@@ -170,18 +148,18 @@ class _Brakes(Record):
 class _Emergency(Record):
     """`[emergency]`: the emergency brake."""
 
-    deceleration_mps2: Annotated[Deceleration, about("deceleration")]
-    dead_time_s: Annotated[DeadTime, about("time from command to first deceleration")]
-    lag_s: Annotated[Lag, about("time constant of the build-up")]
+    deceleration_mps2: Annotated[quantities.Deceleration, about("deceleration")]
+    dead_time_s: Annotated[quantities.DeadTime, about("time from command to first deceleration")]
+    lag_s: Annotated[quantities.Lag, about("time constant of the build-up")]
 
 
 class _Regeneration(Record):
     """`[regeneration]`: the electric part of the service brake; air supplies the rest."""
 
-    force_max_n: Annotated[BrakeForceN, about("greatest force at the rim")]
-    power_max_w: Annotated[BrakePowerW, about("greatest power at the rim")]
-    fade_from_mps: Annotated[SpeedFrom0Mps, about("below it the electric brake fades")]
-    fade_to_mps: Annotated[SpeedFrom0Mps, about("below it there is none")]
+    force_max_n: Annotated[quantities.BrakeForceN, about("greatest force at the rim")]
+    power_max_w: Annotated[quantities.BrakePowerW, about("greatest power at the rim")]
+    fade_from_mps: Annotated[quantities.SpeedFrom0Mps, about("below it the electric brake fades")]
+    fade_to_mps: Annotated[quantities.SpeedFrom0Mps, about("below it there is none")]
 
     @model_validator(mode="after")
     def _fades_downwards(self) -> _Regeneration:
@@ -202,9 +180,11 @@ class RegenerationReceiver(StrEnum):
 class _Energy(Record):
     """`[energy]`: at the wire or the battery."""
 
-    efficiency_traction: Annotated[Efficiency, about("rim over wire, without `[losses]`")]
-    efficiency_regeneration: Annotated[EfficiencyOr0, about("wire over rim, without `[losses]`")]
-    auxiliary_power_w: Annotated[AuxiliaryPowerW, about("lighting, compressors, heating and cooling")]
+    efficiency_traction: Annotated[quantities.Efficiency, about("rim over wire, without `[losses]`")]
+    efficiency_regeneration: Annotated[quantities.EfficiencyOr0, about("wire over rim, without `[losses]`")]
+    auxiliary_power_w: Annotated[
+        quantities.AuxiliaryPowerW, about("lighting, compressors, heating and cooling")
+    ]
     regenerated_to: Annotated[
         RegenerationReceiver,
         Field(strict=False),
@@ -219,18 +199,19 @@ class _Energy(Record):
 class _Adhesion(Record):
     """`[adhesion]`: dry / (1 + factor times speed)."""
 
-    dry: Annotated[Adhesion, about("adhesion coefficient on dry rail at rest")]
-    speed_factor_s_per_m: Annotated[AdhesionSlope, about("how it falls with speed")]
+    dry: Annotated[quantities.Adhesion, about("adhesion coefficient on dry rail at rest")]
+    speed_factor_s_per_m: Annotated[quantities.AdhesionSlope, about("how it falls with speed")]
     slide_share_max: Annotated[
-        ShareAbove0, about("deepest slide the protection allows, of train speed; 1: wheels may lock")
+        quantities.ShareAbove0,
+        about("deepest slide the protection allows, of train speed; 1: wheels may lock"),
     ]
 
 
 class _Sensors(Record):
     """`[sensors]`: on the axle."""
 
-    wheel_diameter_m: Annotated[WheelDiameterM, about("wheel diameter of the tachometer's axle")]
-    pulses_per_revolution: Annotated[Pulses, about("pulses of the tachometer per turn")]
+    wheel_diameter_m: Annotated[quantities.WheelDiameterM, about("wheel diameter of the tachometer's axle")]
+    pulses_per_revolution: Annotated[quantities.Pulses, about("pulses of the tachometer per turn")]
 
 
 class TrainFile(Record):

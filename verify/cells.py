@@ -17,9 +17,8 @@ from verify.terminal import LIES
 from verify.train import PEERS, TrainPlace
 
 Air = tuple[tuple[int, ...], ...]
-CellKey = tuple[
-    int, Air, int
-]  # train, telegrams by way (from and to each peer), correlation of the last grant
+# train, telegrams by way (from and to each peer), correlation of the last grant
+CellKey = tuple[int, Air, int]
 WAYS: Final = 2 * len(PEERS)
 NEVER: Final = 99
 HELD_UNKNOWN: Final = -1

@@ -19,12 +19,8 @@ from verify.explored_line import Budgets, ExploredLine
 FORMAT: Final = 1
 _DIGEST_BYTES: Final = 32
 _ROOT: Final = Path(__file__).resolve().parent.parent
-STEPS: Final = (
-    "onboard/authority",
-    "onboard/duty",
-    "radio",
-    "wayside",
-)  # packages whose sources decide the steps
+# packages whose sources decide the steps
+STEPS: Final = ("onboard/authority", "onboard/duty", "radio", "wayside")
 MODEL: Final = (
     "explored_line.py",
     "happening.py",
@@ -51,9 +47,8 @@ class Certificate(msgspec.Struct, frozen=True):
     locals: str
     bits: tuple[int, ...]  # of each part of a state
     made: tuple[tuple[Any, ...], ...]
-    grounds: tuple[
-        tuple[tuple[int, ...], tuple[int, ...]], ...
-    ]  # manager and terminals, what is left of the budgets
+    # manager and terminals, what is left of the budgets
+    grounds: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
     cells: tuple[tuple[tuple[int, tuple[tuple[int, ...], ...], int], ...], ...]
     states: bytes
     ranks: bytes

@@ -48,11 +48,8 @@ from verify.tables import Choices, GrowingRows, Numbers, Once
 from verify.terminal import lie_code
 
 MANAGER_BITS, TERMINAL_BITS, LEFT_BITS = 20, 14, 12
-CELL_BITS_OF: Final = {
-    1: CELL_BITS,
-    2: CELL_BITS,
-    3: 15,
-}  # by how many trains there are; the ground has the rest
+# by how many trains there are; the ground has the rest
+CELL_BITS_OF: Final = {1: CELL_BITS, 2: CELL_BITS, 3: 15}
 # columns of a manager, of a terminal, and of a choice of theirs
 EPOCH, COUNTER, TOKENS, GRANTS, MAY_GRANT, ON_SIGHT, BAD = range(7)
 HOLDS: Final = 7

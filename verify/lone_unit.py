@@ -28,40 +28,9 @@ from onboard.authority.records import (
     SignOnHeard,
 )
 from onboard.authority.records import Event as AuthorityEvent
+from onboard.duty import records
 from onboard.duty.duty_step import Action
 from onboard.duty.machine import step
-from onboard.duty.records import (
-    ABLE,
-    ASK,
-    LEAVE,
-    RELEASE,
-    AtMark,
-    Begin,
-    ChangeEnds,
-    DrivingOrder,
-    DutyPhase,
-    DutyState,
-    EndOfHeld,
-    Event,
-    FoundByOtherSensor,
-    Leave,
-    Looked,
-    MarkRelation,
-    NotAtMark,
-    OffTheLine,
-    PlaceInJoints,
-    PointsSeen,
-    PointsWrong,
-    PositionLost,
-    SetBack,
-    Stopped,
-    SwitchedOn,
-    TagBelieved,
-    TagReached,
-    TelegramHeard,
-    TimerDue,
-    WheelsTurning,
-)
 from onboard.duty.shown import command_of
 from onboard.duty.unable import TooSteep
 from onboard.duty_parameters import DutyParameters
@@ -107,7 +76,7 @@ TOO_STEEP: Final = TooSteep("B", "O", 0.0, 40.0, 1.0, 2.0, 0.0, 0.5)
 class ExploredRun(NamedTuple):
     """A unit and its train: on which plan, how far in thirds of a span, and how."""
 
-    state: DutyState = DutyState()
+    state: records.DutyState = records.DutyState()
     plan: int = 0
     spot: int = 0
     moves: bool = False
@@ -118,7 +87,7 @@ class ExploredRun(NamedTuple):
     untold: bool = False  # found by what does not tell tracks apart
 
     @property
-    def place(self) -> PlaceInJoints:
+    def place(self) -> records.PlaceInJoints:
         """What `onboard.motion` would make of it."""
         place = place_in_joints(self.spot, END, known=self.known, moves=self.moves, emergency=self.emergency)
         if not self.known:
@@ -136,7 +105,7 @@ class ExploredRun(NamedTuple):
 class Step(NamedTuple):
     """One thing that can happen, and what comes of it."""
 
-    event: Event
+    event: records.Event
     run: ExploredRun
     actions: tuple[Action, ...]
 
@@ -147,22 +116,22 @@ def steps(run: ExploredRun) -> Iterator[Step]:
         yield event_taken(event, after)
 
 
-def event_taken(event: Event, run: ExploredRun) -> Step:
+def event_taken(event: records.Event, run: ExploredRun) -> Step:
     """The real machine takes the event where the train then is."""
     state, actions = step(PLANS[run.plan], TIMES, run.state, event, run.place, _NOW_S)
-    lost = DrivingOrder.LOSE in actions
+    lost = records.DrivingOrder.LOSE in actions
     emergency = (
-        run.emergency or lost or DrivingOrder.STOP in actions
-    ) and DrivingOrder.RELEASE not in actions
+        run.emergency or lost or records.DrivingOrder.STOP in actions
+    ) and records.DrivingOrder.RELEASE not in actions
     return Step(event, run._replace(state=state, emergency=emergency, known=run.known and not lost), actions)
 
 
-def event_name(event: Event) -> str:
+def event_name(event: records.Event) -> str:
     """An event by its type: a telegram by what it means, a timer by its name."""
     match event:
-        case TelegramHeard(heard):
+        case records.TelegramHeard(heard):
             return type(heard).__name__
-        case TimerDue(timer):
+        case records.TimerDue(timer):
             return f"TimerDue {timer.name}"
         case _:
             return type(event).__name__
@@ -181,7 +150,7 @@ def may_go_on(run: ExploredRun) -> bool:
     joint = run.spot // PLACES_A_SPAN + 1
     if run.spot % PLACES_A_SPAN == 2:
         return True
-    if run.known and state.phase is not DutyPhase.ON_SIGHT:
+    if run.known and state.phase is not records.DutyPhase.ON_SIGHT:
         return state.limit.joint > joint
     span = plan.spans[joint]
     return not span.points or all(needed in state.authority.proven for needed in span.points)
@@ -190,96 +159,103 @@ def may_go_on(run: ExploredRun) -> bool:
 def may_start(run: ExploredRun) -> bool:
     """Whether the train drives: to the next joint, up to its mark, or to a tag before either."""
     drives = command_of(PLANS[run.plan], run.state).drive and not run.emergency
-    short_of_mark = run.spot == END and run.state.phase is DutyPhase.RUNNING
+    short_of_mark = run.spot == END and run.state.phase is records.DutyPhase.RUNNING
     return drives and (may_go_on(run) or short_of_mark or _TAGS[run.plan].get(run.spot, -1) > run.read)
 
 
-_Happening = tuple[Event, ExploredRun]
+_Happening = tuple[records.Event, ExploredRun]
 
 
 def _people(run: ExploredRun) -> Iterator[_Happening]:
     phase = run.state.phase
-    if phase in (DutyPhase.OFF, DutyPhase.GONE):
-        yield Begin(PLANS[0], signs_on=True), ExploredRun(run.state)
-    if phase in (DutyPhase.OFF, DutyPhase.LEAVING):
-        yield OffTheLine(), run
-    if phase is DutyPhase.OFF:
+    if phase in (records.DutyPhase.OFF, records.DutyPhase.GONE):
+        yield records.Begin(PLANS[0], signs_on=True), ExploredRun(run.state)
+    if phase in (records.DutyPhase.OFF, records.DutyPhase.LEAVING):
+        yield records.OffTheLine(), run
+    if phase is records.DutyPhase.OFF:
         for spot, stands_at in ((0, 0), (3, None)):
             yield (
-                SwitchedOn(PLANS[0], stands_at),
+                records.SwitchedOn(PLANS[0], stands_at),
                 ExploredRun(run.state, 0, spot, known=False, emergency=True),
             )
-    if phase is DutyPhase.FINISHED:
-        yield ChangeEnds(), run
-        yield Leave(), run
+    if phase is records.DutyPhase.FINISHED:
+        yield records.ChangeEnds(), run
+        yield records.Leave(), run
         other = 1 - run.plan
         if run.spot == END and set(run.state.authority.held) == set(run.under):
-            yield Begin(PLANS[other], signs_on=False), run._replace(plan=other, spot=0, moves=False, read=-1)
-    if phase is DutyPhase.STANDING or (phase is DutyPhase.RUNNING and not run.moves):
-        yield SetBack(60.0), run
+            yield (
+                records.Begin(PLANS[other], signs_on=False),
+                run._replace(plan=other, spot=0, moves=False, read=-1),
+            )
+    if phase is records.DutyPhase.STANDING or (phase is records.DutyPhase.RUNNING and not run.moves):
+        yield records.SetBack(60.0), run
     if command_of(PLANS[run.plan], run.state).confirm:
-        yield (AtMark(run.state.at) if run.spot == END else NotAtMark()), run
-    if phase is DutyPhase.ON_SIGHT and not run.moves:
+        yield (records.AtMark(run.state.at) if run.spot == END else records.NotAtMark()), run
+    if phase is records.DutyPhase.ON_SIGHT and not run.moves:
         if not run.known and PLANS[run.plan].spans[run.spot // PLACES_A_SPAN + (run.spot < END)].points:
-            yield PointsSeen(X), run
-            yield PointsWrong(X), run
+            yield records.PointsSeen(X), run
+            yield records.PointsWrong(X), run
         if not run.known and run.spot == END and run.state.stands_at != 1:
-            yield AtMark(1), run
+            yield records.AtMark(1), run
         if not run.known and not run.state.authority.holds(PLANS[run.plan].spans[-1].section_id):
-            yield EndOfHeld(run.spot // PLACES_A_SPAN), run
+            yield records.EndOfHeld(run.spot // PLACES_A_SPAN), run
 
 
 def _movement(run: ExploredRun) -> Iterator[_Happening]:
-    on_line = run.state.phase not in (DutyPhase.OFF, DutyPhase.LEAVING, DutyPhase.GONE)
+    on_line = run.state.phase not in (
+        records.DutyPhase.OFF,
+        records.DutyPhase.LEAVING,
+        records.DutyPhase.GONE,
+    )
     tag = _TAGS[run.plan].get(run.spot, -1)
     if not run.moves and may_start(run):
-        yield WheelsTurning(), run._replace(moves=True)
+        yield records.WheelsTurning(), run._replace(moves=True)
     if run.moves:
         if run.known and tag > run.read:
             pass  # a tag that is expected is read, or missed and the position lost
         else:
             bounds_may_pass = run.spot % PLACES_A_SPAN == 0 and run.spot != END
             if may_go_on(run) or bounds_may_pass:
-                yield Looked(), run._replace(spot=run.spot + 1)
+                yield records.Looked(), run._replace(spot=run.spot + 1)
             if not may_go_on(run):
-                how = MarkRelation.AT if run.spot == END else MarkRelation.SHORT
-                yield Stopped(how, 0.0), run._replace(moves=False)
-        yield Stopped(MarkRelation.SHORT, -1.0), run._replace(moves=False, emergency=True)
+                how = records.MarkRelation.AT if run.spot == END else records.MarkRelation.SHORT
+                yield records.Stopped(how, 0.0), run._replace(moves=False)
+        yield records.Stopped(records.MarkRelation.SHORT, -1.0), run._replace(moves=False, emergency=True)
     if run.moves and tag > run.read:
-        yield TagBelieved(tag, not run.known), run._replace(known=True, read=tag, untold=False)
+        yield records.TagBelieved(tag, not run.known), run._replace(known=True, read=tag, untold=False)
         if run.known:
-            yield TagReached(tag), run
+            yield records.TagReached(tag), run
     if on_line and not run.known:
-        yield FoundByOtherSensor(), run._replace(known=True, untold=True)
-    if run.known and run.spot == 0 and run.state.phase is DutyPhase.STANDING:
-        yield Looked(), run._replace(unable=not run.unable)  # motors fail, or are there again
+        yield records.FoundByOtherSensor(), run._replace(known=True, untold=True)
+    if run.known and run.spot == 0 and run.state.phase is records.DutyPhase.STANDING:
+        yield records.Looked(), run._replace(unable=not run.unable)  # motors fail, or are there again
     if run.known and on_line:
-        yield PositionLost(), run._replace(known=False, emergency=True)
+        yield records.PositionLost(), run._replace(known=False, emergency=True)
 
 
 def _time(run: ExploredRun) -> Iterator[_Happening]:
     state = run.state
-    waits = state.phase is DutyPhase.STANDING or (
-        state.phase is DutyPhase.ON_SIGHT and state.stands_at is not None
+    waits = state.phase is records.DutyPhase.STANDING or (
+        state.phase is records.DutyPhase.ON_SIGHT and state.stands_at is not None
     )
-    if (waits or state.phase is DutyPhase.RUNNING) and not state.may_ask:
-        yield TimerDue(ASK), run
+    if (waits or state.phase is records.DutyPhase.RUNNING) and not state.may_ask:
+        yield records.TimerDue(records.ASK), run
     if waits and not state.may_leave:
-        yield TimerDue(LEAVE), run
+        yield records.TimerDue(records.LEAVE), run
     if not state.released and not run.moves:
-        yield TimerDue(RELEASE), run
+        yield records.TimerDue(records.RELEASE), run
     if state.unable is not None:
-        yield TimerDue(ABLE), run
-    yield from ((TimerDue(request.timer), run) for request in state.authority.requests)
-    yield from ((TimerDue(command.timer), run) for command in state.authority.commands)
+        yield records.TimerDue(records.ABLE), run
+    yield from ((records.TimerDue(request.timer), run) for request in state.authority.requests)
+    yield from ((records.TimerDue(command.timer), run) for command in state.authority.commands)
 
 
 def _telegrams(run: ExploredRun) -> Iterator[_Happening]:
-    if run.state.phase not in (DutyPhase.OFF, DutyPhase.GONE):
+    if run.state.phase not in (records.DutyPhase.OFF, records.DutyPhase.GONE):
         for event in (*_answers(run), *_of_points(run), QueryHeard(), EarlierBootCalled(), PeerRestarted()):
-            yield TelegramHeard(event), run
+            yield records.TelegramHeard(event), run
         if run.state.authority.on_line:
-            yield TelegramHeard(ContestHeard(run.state.authority.held[:1])), run
+            yield records.TelegramHeard(ContestHeard(run.state.authority.held[:1])), run
 
 
 def _answers(run: ExploredRun) -> Iterator[AuthorityEvent]:
@@ -345,7 +321,7 @@ def course() -> tuple[ExploredRun, ...]:
     """A course on which all goes well: out, back, and off the line."""
     run = ExploredRun()
     runs = [run]
-    while run.state.phase is not DutyPhase.GONE:
+    while run.state.phase is not records.DutyPhase.GONE:
         possible = [s for s in steps(run) if s.run not in runs and _is_good(s.event)]
         run = min(possible, key=lambda s: _GOOD.index(event_name(s.event))).run
         runs.append(run)
@@ -359,12 +335,12 @@ def first() -> tuple[ExploredRun, ...]:
         for plan in (0, 1)
         for spot in range(END + 1)
     ]
-    return (*course(), *(event_taken(SwitchedOn(PLANS[run.plan], None), run).run for run in lost))
+    return (*course(), *(event_taken(records.SwitchedOn(PLANS[run.plan], None), run).run for run in lost))
 
 
-def _is_good(event: Event) -> bool:
+def _is_good(event: records.Event) -> bool:
     lost = (
-        isinstance(event, TelegramHeard)
+        isinstance(event, records.TelegramHeard)
         and isinstance(event.event, ProofHeard)
         and event.event.position is None
     )

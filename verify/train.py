@@ -29,20 +29,9 @@ from onboard.authority.records import (
     Take,
     Timer,
 )
+from onboard.duty import records
 from onboard.duty.duty_step import Action
 from onboard.duty.machine import step
-from onboard.duty.records import (
-    Begin,
-    DrivingOrder,
-    DutyState,
-    EntryAllowed,
-    Event,
-    LeftLine,
-    PlaceInJoints,
-    SetTimerAt,
-    SwitchedOn,
-    TelegramHeard,
-)
 from onboard.plan import DutyPlan
 from radio.envelope import DropReason, Received
 from radio.messages import PointsCommand
@@ -53,10 +42,8 @@ from wayside.config import MANAGER_ID
 
 PEERS: Final = (MANAGER_ID, *TERMINALS)
 REFUSED: Final = "refused"
-TAGS_AT: Final = (
-    PLACES_A_SPAN,
-    END,
-)  # where the front reads a tag: whole in the second span, and at the mark
+# where the front reads a tag: whole in the second span, and at the mark
+TAGS_AT: Final = (PLACES_A_SPAN, END)
 
 # Commands of the same points are numbered 1 and 2 in turn: no more than two of them are ever told apart.
 OTHER_COMMAND: Final = (1, 2, 1)
@@ -80,7 +67,7 @@ class TrainState(NamedTuple):
     power: bool = True
     epoch: int = 1
     heard: tuple[int, ...] = (0,) * len(PEERS)
-    duty: DutyState = DutyState()
+    duty: records.DutyState = records.DutyState()
     numbers: LetterNumbers = NO_NUMBERS
     timers: frozenset[Timer] = frozenset()
     plan: int = 0
@@ -121,11 +108,11 @@ class ExploredTrain:
         if isinstance(heard, DropReason):
             letters = Letters(self.unit_id, MANAGER_ID, state.numbers)
             event = letters.read_dropped(heard, PEERS[peer])
-            return TrainStep(state) if event is None else self.take(state, TelegramHeard(event))
+            return TrainStep(state) if event is None else self.take(state, records.TelegramHeard(event))
         boots = (*state.heard[:peer], heard.epoch, *state.heard[peer + 1 :])
         return self.take(state._replace(heard=boots), heard)
 
-    def take(self, state: TrainState, what: Event | Received) -> TrainStep:
+    def take(self, state: TrainState, what: records.Event | Received) -> TrainStep:
         """The real machine takes an event or a telegram where the train then is, and what it says is done."""
         letters = Letters(self.unit_id, MANAGER_ID, state.numbers)
         event = what
@@ -133,11 +120,11 @@ class ExploredTrain:
             read = letters.read(what)
             if read is None:
                 return TrainStep(state)
-            event = read if isinstance(read, Ordered) else TelegramHeard(read)
+            event = read if isinstance(read, Ordered) else records.TelegramHeard(read)
         assert not isinstance(event, Received)
-        if isinstance(event, SwitchedOn):
+        if isinstance(event, records.SwitchedOn):
             event = replace(event, epoch=state.epoch)
-        plan = event.plan if isinstance(event, Begin | SwitchedOn) else self.plan(state)
+        plan = event.plan if isinstance(event, records.Begin | records.SwitchedOn) else self.plan(state)
         duty, actions = step(plan, self._parameters, state.duty, event, self.place(state), 0.0)
         return self._done(state._replace(duty=duty), letters, actions)
 
@@ -159,19 +146,19 @@ class ExploredTrain:
                     given[needed.points_id] = OTHER_COMMAND[given.get(needed.points_id, 0)]
                 case Renew() | Take():
                     letters.keep(action)
-                case SetTimer(timer) | SetTimerAt(timer):
+                case SetTimer(timer) | records.SetTimerAt(timer):
                     timers.add(timer)
                 case StopTimer(timer):
                     timers.discard(timer)
-                case DrivingOrder.RELEASE:
+                case records.DrivingOrder.RELEASE:
                     state = state._replace(emergency=False)
-                case DrivingOrder.STOP:
+                case records.DrivingOrder.STOP:
                     state = state._replace(emergency=True)
-                case DrivingOrder.LOSE:
+                case records.DrivingOrder.LOSE:
                     state = state._replace(emergency=True, known=False)
-                case EntryAllowed():
+                case records.EntryAllowed():
                     state = state._replace(may_enter=True)
-                case LeftLine():
+                case records.LeftLine():
                     state = state._replace(may_leave=True)
                 case _:
                     pass
@@ -193,7 +180,7 @@ class ExploredTrain:
             duty=replace(state.duty, authority=plain), numbers=_in_use(plain, state.numbers)
         )
 
-    def place(self, state: TrainState) -> PlaceInJoints:
+    def place(self, state: TrainState) -> records.PlaceInJoints:
         """What `onboard.motion` would make of where the train is."""
         return place_in_joints(
             state.spot, END, known=state.known, moves=state.moves, emergency=state.emergency

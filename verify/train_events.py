@@ -10,31 +10,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from onboard.authority.records import Authority, RequestKind
+from onboard.duty import records
 from onboard.duty.arrival import beyond_gap
-from onboard.duty.records import (
-    AtMark,
-    Begin,
-    ChangeEnds,
-    DrivingCommand,
-    DutyPhase,
-    DutyState,
-    EndOfHeld,
-    Event,
-    Leave,
-    Looked,
-    MarkRelation,
-    NotAtMark,
-    OffTheLine,
-    PointsSeen,
-    PointsWrong,
-    PositionLost,
-    SetBack,
-    Stopped,
-    SwitchedOn,
-    TagBelieved,
-    TimerDue,
-    WheelsTurning,
-)
 from onboard.duty.shown import command_of
 from verify.explored_line import END, TERMINALS, UnwishedFor, mask_of
 from verify.happening import Guard, GuardKind, Happening
@@ -59,12 +36,12 @@ def events(model: ExploredTrain, state: TrainState) -> tuple[TrainEvent, ...]:
     return tuple(e for e in found if e.state != state or e.sends)
 
 
-def _took(model: ExploredTrain, state: TrainState, event: Event, name: str = "") -> TrainEvent:
+def _took(model: ExploredTrain, state: TrainState, event: records.Event, name: str = "") -> TrainEvent:
     after, sends = model.take(state, event)
     return TrainEvent(name or type(event).__name__, after, sends)
 
 
-def _command(model: ExploredTrain, state: TrainState) -> DrivingCommand:
+def _command(model: ExploredTrain, state: TrainState) -> records.DrivingCommand:
     return command_of(model.plan(state), state.duty)
 
 
@@ -74,7 +51,7 @@ def _booted(state: TrainState) -> TrainState:
     return TrainState(
         place=state.place,
         epoch=state.epoch + 1,
-        duty=DutyState(authority=Authority(unsure=unsure)),
+        duty=records.DutyState(authority=Authority(unsure=unsure)),
         plan=state.plan,
         spot=state.spot,
         known=state.place is TrainPlace.WAITING,
@@ -88,26 +65,28 @@ def _people(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     phase, plan = state.duty.phase, model.plan(state)
     match state.place, phase:
         case TrainPlace.OUTSIDE, _:
-            yield _took(model, state._replace(place=TrainPlace.WAITING), Begin(model.plans[0], signs_on=True))
-        case TrainPlace.WAITING, DutyPhase.OFF:
-            yield _took(model, state, Begin(plan, signs_on=True))
+            yield _took(
+                model, state._replace(place=TrainPlace.WAITING), records.Begin(model.plans[0], signs_on=True)
+            )
+        case TrainPlace.WAITING, records.DutyPhase.OFF:
+            yield _took(model, state, records.Begin(plan, signs_on=True))
         case TrainPlace.WAITING, _ if state.may_enter:
             yield TrainEvent("enters", state._replace(place=TrainPlace.ON_LINE, may_enter=False))
-        case TrainPlace.ON_LINE, DutyPhase.OFF:
+        case TrainPlace.ON_LINE, records.DutyPhase.OFF:
             stands_at = {0: 0, END: 1}.get(state.spot)
-            yield _took(model, state, SwitchedOn(plan, stands_at))
-        case TrainPlace.ON_LINE, DutyPhase.FINISHED if state.plan == 0 and state.spot == END:
-            turned, sends = model.take(state, ChangeEnds())
+            yield _took(model, state, records.SwitchedOn(plan, stands_at))
+        case TrainPlace.ON_LINE, records.DutyPhase.FINISHED if state.plan == 0 and state.spot == END:
+            turned, sends = model.take(state, records.ChangeEnds())
             back = turned._replace(plan=1, spot=0, moves=False, tags_read=0)
-            begun = _took(model, back, Begin(model.plans[1], signs_on=False), "ChangeEnds")
+            begun = _took(model, back, records.Begin(model.plans[1], signs_on=False), "ChangeEnds")
             yield begun._replace(sends=(*sends, *begun.sends))
-        case TrainPlace.ON_LINE, DutyPhase.FINISHED if state.plan == 1 and state.spot == END:
-            yield _took(model, state, Leave())
-        case TrainPlace.ON_LINE, DutyPhase.LEAVING if state.may_leave:
+        case TrainPlace.ON_LINE, records.DutyPhase.FINISHED if state.plan == 1 and state.spot == END:
+            yield _took(model, state, records.Leave())
+        case TrainPlace.ON_LINE, records.DutyPhase.LEAVING if state.may_leave:
             gone = state._replace(place=TrainPlace.GONE, may_leave=False)
             yield TrainEvent("passes the boundary", gone, left=True)
-        case TrainPlace.GONE, DutyPhase.LEAVING | DutyPhase.OFF:
-            yield _took(model, state, OffTheLine())
+        case TrainPlace.GONE, records.DutyPhase.LEAVING | records.DutyPhase.OFF:
+            yield _took(model, state, records.OffTheLine())
         case _:
             pass
     if state.place is TrainPlace.ON_LINE and not state.moves:
@@ -119,8 +98,8 @@ def _eyes(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     command, duty, plan = _command(model, state), state.duty, model.plan(state)
     if command.confirm:
         at_mark = state.spot == plan.stops[duty.at].span * PLACES_A_SPAN
-        yield _took(model, state, AtMark(duty.at) if at_mark else NotAtMark())
-    if duty.phase is not DutyPhase.ON_SIGHT or state.known:
+        yield _took(model, state, records.AtMark(duty.at) if at_mark else records.NotAtMark())
+    if duty.phase is not records.DutyPhase.ON_SIGHT or state.known:
         return
     ahead = state.spot // PLACES_A_SPAN + 1
     if ahead < len(plan.spans):
@@ -128,16 +107,16 @@ def _eyes(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
             at = TERMINALS.index(needed.terminal_id)
             lies, wrong = (Guard(k, at, needed.position) for k in (GuardKind.LIES, GuardKind.LIES_NOT))
             if needed not in duty.authority.proven and duty.authority.holds(needed.section_id):
-                seen = _took(model, state._replace(keys=state.keys | {at}), PointsSeen(needed))
+                seen = _took(model, state._replace(keys=state.keys | {at}), records.PointsSeen(needed))
                 yield seen._replace(guard=lies, locks=(at,))
-                yield _took(model, state, PointsWrong(needed))._replace(guard=wrong)
+                yield _took(model, state, records.PointsWrong(needed))._replace(guard=wrong)
     if state.spot == END and duty.stands_at != 1:
-        yield _took(model, state, AtMark(1))
+        yield _took(model, state, records.AtMark(1))
     sections = [span.section_id for span in plan.spans]
     lacks = ahead < len(sections) and sections[ahead] not in duty.authority.held
     asks = duty.authority.open(RequestKind.ROUTE) is None and sections[-1] not in duty.authority.held
     if asks or (lacks and beyond_gap(sections, duty.authority.held, ahead - 1)):
-        yield _took(model, state, EndOfHeld(state.spot // PLACES_A_SPAN))
+        yield _took(model, state, records.EndOfHeld(state.spot // PLACES_A_SPAN))
 
 
 def _may_go_on(model: ExploredTrain, state: TrainState) -> bool:
@@ -148,7 +127,7 @@ def _may_go_on(model: ExploredTrain, state: TrainState) -> bool:
     if state.spot % PLACES_A_SPAN == 2:
         return True
     joint = state.spot // PLACES_A_SPAN + 1
-    if state.known and duty.phase is not DutyPhase.ON_SIGHT:
+    if state.known and duty.phase is not records.DutyPhase.ON_SIGHT:
         return duty.limit.joint > joint
     span = plan.spans[joint]
     if duty.seeks_radio:
@@ -161,15 +140,21 @@ def _movement(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
         return
     command, unread = _command(model, state), model.meets_tag(state)
     if not state.moves:
-        short_of_mark = state.spot == END and state.duty.phase is DutyPhase.RUNNING
+        short_of_mark = state.spot == END and state.duty.phase is records.DutyPhase.RUNNING
         if command.drive and not state.emergency and (_may_go_on(model, state) or short_of_mark or unread):
-            yield _took(model, state._replace(moves=True), WheelsTurning())
+            yield _took(model, state._replace(moves=True), records.WheelsTurning())
         return
     if state.emergency:
         stood = state._replace(moves=False)
-        yield _took(model, stood, Stopped(MarkRelation.AT if state.spot == END else MarkRelation.SHORT, -1.0))
+        yield _took(
+            model,
+            stood,
+            records.Stopped(
+                records.MarkRelation.AT if state.spot == END else records.MarkRelation.SHORT, -1.0
+            ),
+        )
     elif unread:
-        read = TagBelieved(state.tags_read, found=not state.known)
+        read = records.TagBelieved(state.tags_read, found=not state.known)
         yield _took(model, state._replace(known=True, tags_read=state.tags_read + 1), read)
     else:
         yield from _runs(model, state, on_sight=command.on_sight or command.sweeps)
@@ -183,19 +168,19 @@ def _runs(model: ExploredTrain, state: TrainState, *, on_sight: bool) -> Iterato
         unlocks: tuple[int, ...] = ()
         if part == 2 and state.keys and "X" in plan.spans[state.spot // PLACES_A_SPAN].section_id:
             unlocks, on = tuple(sorted(state.keys)), on._replace(keys=frozenset())
-        ran = _took(model, on, Looked())._replace(unlocks=unlocks)
+        ran = _took(model, on, records.Looked())._replace(unlocks=unlocks)
         if part == 1 and on_sight:  # its driver stops before another train
             ahead = plan.spans[state.spot // PLACES_A_SPAN + 1].section_id
             ran = ran._replace(guard=Guard(GuardKind.FREE, mask_of((ahead,))))
         yield ran
     if not go_on:
-        how = MarkRelation.AT if state.spot == END else MarkRelation.SHORT
-        yield _took(model, state._replace(moves=False), Stopped(how, 0.0))
+        how = records.MarkRelation.AT if state.spot == END else records.MarkRelation.SHORT
+        yield _took(model, state._replace(moves=False), records.Stopped(how, 0.0))
 
 
 def _timers(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
     for timer in sorted(state.timers):
-        due = _took(model, state._replace(timers=state.timers - {timer}), TimerDue(timer))
+        due = _took(model, state._replace(timers=state.timers - {timer}), records.TimerDue(timer))
         yield due._replace(name=f"timer {timer.name} {timer.of}".rstrip())
 
 
@@ -205,8 +190,8 @@ def _troubles(model: ExploredTrain, state: TrainState) -> Iterator[TrainEvent]:
         yield TrainEvent("power fails", off, trouble=UnwishedFor.POWER)
     if state.place is not TrainPlace.ON_LINE:
         return
-    if not state.moves and state.duty.phase in (DutyPhase.STANDING, DutyPhase.RUNNING):
-        yield _took(model, state, SetBack(HOLD_S))._replace(trouble=UnwishedFor.SET_BACK)
-    if state.known and state.duty.phase is not DutyPhase.OFF:
+    if not state.moves and state.duty.phase in (records.DutyPhase.STANDING, records.DutyPhase.RUNNING):
+        yield _took(model, state, records.SetBack(HOLD_S))._replace(trouble=UnwishedFor.SET_BACK)
+    if state.known and state.duty.phase is not records.DutyPhase.OFF:
         lost = state._replace(known=False, emergency=True)
-        yield _took(model, lost, PositionLost())._replace(trouble=UnwishedFor.SENSOR)
+        yield _took(model, lost, records.PositionLost())._replace(trouble=UnwishedFor.SENSOR)

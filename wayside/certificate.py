@@ -328,9 +328,8 @@ class _Search:
         while stack:
             index = stack.pop()
             choices = self._line.choices[index][self._line.at[index]]
-            if (
-                len(choices) != 1
-            ):  # one that has a choice may have a way out, and is seen to be stuck at the dead end
+            # one that has a choice may have a way out, and is seen to be stuck at the dead end
+            if len(choices) != 1:
                 continue
             for other in self._holders(index, choices[0]):
                 if other == mover:

@@ -14,17 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
-from exchange.gtfs.columns import (
-    BEGINS,
-    CALL,
-    ENDS,
-    INFERRED,
-    NO_PASSENGERS,
-    REVENUE,
-    TIMES,
-    TIMETABLE,
-    TRACK,
-)
+from exchange.gtfs import columns
 from exchange.gtfs.days import date_of, next_date, one_service, read_services
 from exchange.gtfs.stops import GtfsStop, read_stops
 from exchange.gtfs.tables import Feed
@@ -183,7 +173,7 @@ def _routes(feed: Feed) -> dict[str, tuple[int, str, str]]:
 
 def _trips(feed: Feed, routes: Mapping[str, object]) -> dict[str, _GtfsTrip]:
     file = f"{feed.path}: trips.txt"
-    more = ("trip_short_name", "direction_id", "block_id", REVENUE, BEGINS, ENDS)
+    more = ("trip_short_name", "direction_id", "block_id", columns.REVENUE, columns.BEGINS, columns.ENDS)
     trips: dict[str, _GtfsTrip] = {}
     for row in feed.rows("trips.txt", ("route_id", "service_id", "trip_id"), more):
         route, service, trip_id, number, direction, block, revenue, begins, ends = row.texts
@@ -205,10 +195,10 @@ def _read_calls(
     """Put the rows of stop_times to their trips, in order; stops that are called at, and how many rows there are."""
     file = f"{feed.path}: stop_times.txt"
     needed = ("trip_id", "stop_id", "stop_sequence", "arrival_time", "departure_time")
-    own = TRACK in feed.columns("stop_times.txt")
+    own = columns.TRACK in feed.columns("stop_times.txt")
     called: set[str] = set()
     calls = 0
-    more = ("pickup_type", "drop_off_type", "timepoint", CALL, TIMES, TRACK)
+    more = ("pickup_type", "drop_off_type", "timepoint", columns.CALL, columns.TIMES, columns.TRACK)
     for row in feed.rows("stop_times.txt", needed, more):
         trip_id, stop, sequence, arrival, departure, pickup, drop_off, timepoint, kind, given, track = (
             row.texts
@@ -221,7 +211,7 @@ def _read_calls(
         if not sequence.isdecimal() or len(sequence) > 9:
             raise InputError(file, f"{key}.stop_sequence", sequence, "a whole number")
         if kind and kind not in _KINDS:
-            raise InputError(file, f"{key}.{CALL}", kind, one_of(_KINDS, kind))
+            raise InputError(file, f"{key}.{columns.CALL}", kind, one_of(_KINDS, kind))
         trip = trips[trip_id]
         if len(trip.calls) >= CALLS_MAX:
             raise InputError(file, f"{key}.trip_id", trip_id, f"a trip of at most {CALLS_MAX} calls")
@@ -229,11 +219,11 @@ def _read_calls(
             stop,
             _seconds(file, f"{key}.arrival_time", arrival),
             _seconds(file, f"{key}.departure_time", departure),
-            pickup == NO_PASSENGERS and drop_off == NO_PASSENGERS,
+            pickup == columns.NO_PASSENGERS and drop_off == columns.NO_PASSENGERS,
             kind,
             given,
             track if own else None,
-            own and timepoint == INFERRED,
+            own and timepoint == columns.INFERRED,
         )
         trip.calls.append((int(sequence), call))
         called.add(stop)
@@ -428,9 +418,9 @@ def _tables_left(feed: Feed) -> list[str]:
 
 def _written(feed: Feed, trips: Mapping[str, _GtfsTrip], stops: Mapping[str, GtfsStop]) -> OwnFeed | None:
     """What we have written into a feed ourselves, with its times as they stand there."""
-    if TIMETABLE not in feed.columns("feed_info.txt"):
+    if columns.TIMETABLE not in feed.columns("feed_info.txt"):
         return None
-    head = next((row.texts[0] for row in feed.rows("feed_info.txt", (TIMETABLE,))), "")
+    head = next((row.texts[0] for row in feed.rows("feed_info.txt", (columns.TIMETABLE,))), "")
     trains = tuple(
         WrittenTrain(_train(trip, stops, down=trip.down), trip.begins, trip.ends) for trip in trips.values()
     )

@@ -18,9 +18,8 @@ from typing import IO, Final
 
 from network.errors import InputError
 
-TABLE_BYTES_MAX: Final = (
-    256 << 20
-)  # of one table, unpacked: a national feed has more, a railway's line far less
+# of one table, unpacked: a national feed has more, a railway's line far less
+TABLE_BYTES_MAX: Final = 256 << 20
 ARCHIVE_FILES_MAX: Final = 1000
 _CHUNK: Final = 1 << 16
 csv.field_size_limit(TABLE_BYTES_MAX)  # a feed of ours carries a timetable's head in one field

@@ -19,17 +19,7 @@ from typing import Final
 
 import numpy as np
 
-from exchange.gtfs.columns import (
-    BEGINS,
-    CALL,
-    ENDS,
-    INFERRED,
-    NO_PASSENGERS,
-    REVENUE,
-    TIMES,
-    TIMETABLE,
-    TRACK,
-)
+from exchange.gtfs import columns
 from exchange.gtfs.days import WEEKDAYS
 from exchange.gtfs.exact import head_written
 from exchange.timetable_writer import file_of_timetable
@@ -106,7 +96,7 @@ def tables_of(line: Line, timetable: Timetable, facts: FeedFacts) -> dict[str, l
             (_SERVICE, *facts.weekdays, str(facts.first_date), str(facts.last_date)),
         ],
         "feed_info.txt": [
-            ("feed_publisher_name", "feed_publisher_url", "feed_lang", "feed_version", TIMETABLE),
+            ("feed_publisher_name", "feed_publisher_url", "feed_lang", "feed_version", columns.TIMETABLE),
             (agency, facts.url, "en", timetable.head.id, head),
         ],
     }
@@ -178,7 +168,7 @@ def _trips(line: Line, timetable: Timetable) -> Iterator[Sequence[str]]:
             "direction_id",
             "block_id",
         ),
-        *(REVENUE, BEGINS, ENDS),
+        *(columns.REVENUE, columns.BEGINS, columns.ENDS),
     )
     for train in timetable.trains.values():
         yield (
@@ -192,7 +182,7 @@ def _trips(line: Line, timetable: Timetable) -> Iterator[Sequence[str]]:
 def _stop_times(line: Line, timetable: Timetable) -> Iterator[Sequence[str]]:
     yield (
         *("trip_id", "arrival_time", "departure_time", "stop_id", "stop_sequence"),
-        *("pickup_type", "drop_off_type", "timepoint", CALL, TIMES, TRACK),
+        *("pickup_type", "drop_off_type", "timepoint", columns.CALL, columns.TIMES, columns.TRACK),
     )
     for train in timetable.trains.values():
         for i, call in enumerate(train.calls, start=1):
@@ -205,7 +195,7 @@ def _stop_time(line: Line, train: TimetableTrain, call: Call, sequence: int) -> 
     given = "departure" if call.arrival_s is None else "arrival" if call.departure_s is None else "both"
     platform = platform_of(line, call, train.direction)
     boards = train.revenue and call.kind is CallKind.STOP
-    door = "0" if boards else NO_PASSENGERS
+    door = "0" if boards else columns.NO_PASSENGERS
     stop = stop_of(call.station_id, platform.name)
     return (
         train.number,
@@ -214,7 +204,7 @@ def _stop_time(line: Line, train: TimetableTrain, call: Call, sequence: int) -> 
         str(sequence),
         door,
         door,
-        INFERRED if call.inferred else "1",
+        columns.INFERRED if call.inferred else "1",
         call.kind.value,
         given,
         call.track or "",

@@ -29,12 +29,10 @@ from network.errors import InputError
 
 DOWN: Final = "Kudari"
 UP: Final = "Nobori"
-_OLD_TRACKS_MINOR: Final = range(
-    1, 6
-)  # OuDiaSecond.1.01 to 1.05: tracks in a value of their own, counted from 1
-_OLD_OPERATIONS_MINOR: Final = range(
-    6, 10
-)  # 1.06 to 1.09: no code that links a set going in with one coming out
+# OuDiaSecond.1.01 to 1.05: tracks in a value of their own, counted from 1
+_OLD_TRACKS_MINOR: Final = range(1, 6)
+# 1.06 to 1.09: no code that links a set going in with one coming out
+_OLD_OPERATIONS_MINOR: Final = range(6, 10)
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,11 +34,8 @@ from onboard.authority.records import (
 )
 from onboard.authority.tables import REPEAT_S, Result, SignOnStanding, Table, standing
 
-SAID_IN_ORDER: Final = (
-    RequestKind.SIGN_OFF,
-    RequestKind.SIGN_ON,
-    RequestKind.ROUTE,
-)  # then points, and last the report
+# of requests; after them points, and last the report
+SAID_IN_ORDER: Final = (RequestKind.SIGN_OFF, RequestKind.SIGN_ON, RequestKind.ROUTE)
 
 
 def due(state: Authority, event: RepeatDue) -> Result:

@@ -11,29 +11,17 @@ from typing import Final
 
 from msgspec.structs import replace
 
+from onboard.authority import tables
 from onboard.authority.records import Action, Authority, Cleared, ConfirmationHeard, RequestKind, StopTimer
-from onboard.authority.tables import (
-    Result,
-    SignOnStanding,
-    Table,
-    agrees,
-    changed,
-    closed,
-    disagrees,
-    holds,
-    refused,
-    report_now,
-    take_newer,
-)
 
 
-def cleared(state: Authority, event: Cleared) -> Result:
+def cleared(state: Authority, event: Cleared) -> tables.Result:
     """Drops sections with their proofs and commands, then reports what is left until that is confirmed."""
     run_through = tuple(s for s in event.section_ids if s in state.unswept and state.holds(s))
     return dropped(replace(state, swept=(*state.swept, *run_through)), event.section_ids)
 
 
-def dropped(state: Authority, section_ids: tuple[str, ...]) -> Result:
+def dropped(state: Authority, section_ids: tuple[str, ...]) -> tables.Result:
     """Without these sections, and with a report that says so; the same where none of them is held."""
     kept = tuple(held for held in state.held if held not in section_ids)
     if kept == state.held:
@@ -48,11 +36,11 @@ def dropped(state: Authority, section_ids: tuple[str, ...]) -> Result:
         unsaid=tuple(needed for needed in state.unsaid if needed.section_id not in section_ids),
         unswept=tuple(s for s in state.unswept if s not in section_ids),
     )
-    left, actions = report_now(left)
-    return left, (*(StopTimer(c.timer) for c in gone), *actions, holds(left))
+    left, actions = tables.report_now(left)
+    return left, (*(StopTimer(c.timer) for c in gone), *actions, tables.holds(left))
 
 
-def confirmed(state: Authority, event: ConfirmationHeard) -> Result:
+def confirmed(state: Authority, event: ConfirmationHeard) -> tables.Result:
     """To its last report: done if the register has the same, with nothing contested; a greater token is taken.
 
     If it has less, or some of it is contested, the train is stopped, and it is reported again. What must be passed on
@@ -66,25 +54,25 @@ def confirmed(state: Authority, event: ConfirmationHeard) -> Result:
     contested, held = ", ".join(event.contested), set(state.held)
     if contested or not held <= set(event.section_ids):
         why = f"contested: {contested}" if contested else "the register has less"
-        state, actions = disagrees(state, why)
-        state, more = refused(state, request, why)
+        state, actions = tables.disagrees(state, why)
+        state, more = tables.refused(state, request, why)
         actions = (*actions, *more)
     elif set(event.section_ids) == held:
-        state, actions = closed(state, RequestKind.REPORT)
-        state, more = agrees(replace(state, swept=()))
+        state, actions = tables.closed(state, RequestKind.REPORT)
+        state, more = tables.agrees(replace(state, swept=()))
         actions = (*actions, *more)
     elif event.newer:  # refused for its token: the same report again under the newer one
-        state = changed(state, replace(request, sent=False))
+        state = tables.changed(state, replace(request, sent=False))
     if not event.newer:
         return state, actions
-    state, more = take_newer(state)
+    state, more = tables.take_newer(state)
     return state, (*actions, *more)
 
 
-TABLE: Final[Table] = MappingProxyType(
+TABLE: Final[tables.Table] = MappingProxyType(
     {
-        (SignOnStanding.ON_LINE, Cleared): cleared,
-        (SignOnStanding.ON_LINE, ConfirmationHeard): confirmed,
-        (SignOnStanding.SIGNING_OFF, ConfirmationHeard): confirmed,
+        (tables.SignOnStanding.ON_LINE, Cleared): cleared,
+        (tables.SignOnStanding.ON_LINE, ConfirmationHeard): confirmed,
+        (tables.SignOnStanding.SIGNING_OFF, ConfirmationHeard): confirmed,
     }
 )

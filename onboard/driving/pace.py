@@ -97,9 +97,8 @@ class Pace:
         self.timed = passing = self.next_passing(there)
         until_m = math.inf if passing is None else passing.position_m
         if passing is not None:
-            due_s = (
-                passing.time_s + parameters.time_margin_s
-            )  # that keeps a stop's arrival, not a moment in passing
+            # that keeps a stop's arrival, not a moment in passing
+            due_s = passing.time_s + parameters.time_margin_s
         if there.mark_m <= row.position_m:
             return
         if passing is None and self._plan(mission, at, now_s, load_share):

@@ -34,9 +34,8 @@ class Room:
         by_pattern_m = (
             stop_m + speed_mps * self.reaction_s + speed_mps**2 / (2.0 * own.settings.stop_deceleration_mps2)
         )
-        over_mps = (
-            speed_mps + own.settings.service_margin_mps
-        )  # driving stays so far under what supervision permits
+        # driving stays so far under what supervision permits
+        over_mps = speed_mps + own.settings.service_margin_mps
         guaranteed_m = over_mps * own.service_reaction_s + over_mps**2 / (2.0 * own.service_guaranteed_mps2)
         supervised_m = np.where(speed_mps > 0.0, bound_m + RESERVE_M + guaranteed_m, 0.0)
         return np.asarray(np.maximum(by_pattern_m, supervised_m), dtype=np.float64)

@@ -23,27 +23,15 @@ from onboard.authority.records import (
     Throw,
     Withdrawn,
 )
+from onboard.duty import records
 from onboard.duty.arrival import beyond_gap, elsewhere
 from onboard.duty.duty_step import DutyStep
 from onboard.duty.entering import ask_leave
-from onboard.duty.records import (
-    AtMark,
-    DrivingOrder,
-    DutyPhase,
-    EndOfHeld,
-    Finished,
-    NotAtMark,
-    OffTheLine,
-    PointsSeen,
-    PointsWrong,
-    PositionLost,
-    SwitchedOn,
-)
 
 
-def switched_on(duty: DutyStep, event: SwitchedOn) -> None:
+def switched_on(duty: DutyStep, event: records.SwitchedOn) -> None:
     """Forgets position and holdings, signs on with 'I do not know' (in its portal: with that), and runs on sight."""
-    duty.set(phase=DutyPhase.ON_SIGHT, at=event.stands_at or 0, stands_at=event.stands_at)
+    duty.set(phase=records.DutyPhase.ON_SIGHT, at=event.stands_at or 0, stands_at=event.stands_at)
     duty.note(notes.MissionBegun(train=duty.plan.number, direction=duty.plan.direction))
     duty.note(notes.UnitRestarted(epoch=event.epoch))
     if event.stands_at is None:
@@ -58,20 +46,20 @@ def switched_on(duty: DutyStep, event: SwitchedOn) -> None:
     duty.authority(BeginOnLine((duty.plan.spans[0].section_id,) if in_portal else None))
 
 
-def booted_off_the_line(duty: DutyStep, _event: OffTheLine) -> None:
+def booted_off_the_line(duty: DutyStep, _event: records.OffTheLine) -> None:
     """Its power failed before it was told that its train had left: it holds nothing, and says so when it is asked."""
     duty.authority(TakenOff())
 
 
-def lose(duty: DutyStep, _event: PositionLost) -> None:
+def lose(duty: DutyStep, _event: records.PositionLost) -> None:
     """Stops by the emergency brake, then runs on sight to a tag."""
     state = duty.state
-    stands_at = state.at if state.phase is DutyPhase.STANDING else None
-    duty.set(phase=DutyPhase.ON_SIGHT, stands_at=stands_at, unable=None)
+    stands_at = state.at if state.phase is records.DutyPhase.STANDING else None
+    duty.set(phase=records.DutyPhase.ON_SIGHT, stands_at=stands_at, unable=None)
     lose_elsewhere(duty, _event)
 
 
-def lose_elsewhere(duty: DutyStep, _event: PositionLost) -> None:
+def lose_elsewhere(duty: DutyStep, _event: records.PositionLost) -> None:
     """Keeps its phase; the emergency stop is acknowledged after a time. Throws still open are given up, and what
     waited for the radio is tried: no place tells any more where it reaches.
     """
@@ -83,13 +71,13 @@ def lose_elsewhere(duty: DutyStep, _event: PositionLost) -> None:
         duty.await_release()
 
 
-def not_at_mark(duty: DutyStep, _event: NotAtMark) -> None:
+def not_at_mark(duty: DutyStep, _event: records.NotAtMark) -> None:
     """Its position is wrong: goes on on sight, to the mark by the driver's eye."""
     give_up_position(duty)
     duty.set(at=max(duty.state.at - 1, 0), stands_at=None, may_leave=True)
 
 
-def not_in_its_portal(duty: DutyStep, event: NotAtMark) -> None:
+def not_in_its_portal(duty: DutyStep, event: records.NotAtMark) -> None:
     """Signing off, it stands short of its mark: goes on on sight, unless the manager has been asked already."""
     if duty.state.authority.open(RequestKind.SIGN_OFF) is None:
         not_at_mark(duty, event)
@@ -97,24 +85,24 @@ def not_in_its_portal(duty: DutyStep, event: NotAtMark) -> None:
 
 def give_up_position(duty: DutyStep) -> None:
     """The position is of no use where the train stands: goes on on sight from here."""
-    duty.actions.append(DrivingOrder.LOSE)
+    duty.actions.append(records.DrivingOrder.LOSE)
     duty.set(place=replace(duty.state.place, known=False, covered=True, emergency=True))
-    lose(duty, PositionLost())
+    lose(duty, records.PositionLost())
 
 
-def points_seen(duty: DutyStep, event: PointsSeen) -> None:
+def points_seen(duty: DutyStep, event: records.PointsSeen) -> None:
     """Counts the points as proven; before those that it may not come into yet, it asks for leave."""
     if event.under or not ask_leave(duty, (event.points,)):
         duty.authority(CheckedByCrew(event.points))
 
 
-def points_wrong(duty: DutyStep, event: PointsWrong) -> None:
+def points_wrong(duty: DutyStep, event: records.PointsWrong) -> None:
     """Commands the points, if it holds their section; asks for leave where it has none."""
     if not ask_leave(duty, (event.points,)):
         duty.authority(Throw((event.points,)))
 
 
-def at_mark(duty: DutyStep, event: AtMark) -> None:
+def at_mark(duty: DutyStep, event: records.AtMark) -> None:
     """Has arrived by the crew's eye, with its whole train (到着確認): what is surely behind is given back."""
     duty.set(stands_at=event.stop, at=event.stop)
     duty.schedule(duty.now_s + duty.dwell_s(event.stop), event.stop)
@@ -130,7 +118,7 @@ def give_back_elsewhere(duty: DutyStep) -> None:
         duty.authority(GiveBack(off_path))
 
 
-def end_of_held(duty: DutyStep, event: EndOfHeld) -> None:
+def end_of_held(duty: DutyStep, event: records.EndOfHeld) -> None:
     """Asks for the route that leads on from where its driver sees the train stand; what it holds beyond a gap is
     given back.
     """
@@ -140,7 +128,7 @@ def end_of_held(duty: DutyStep, event: EndOfHeld) -> None:
     duty.ask(duty.plan.leg_at(event.span), event.span)
 
 
-def at_mark_unawares(duty: DutyStep, event: AtMark) -> None:
+def at_mark_unawares(duty: DutyStep, event: records.AtMark) -> None:
     """Its position is wrong: it has arrived by the driver's eye, and goes on on sight from there."""
     give_up_position(duty)
     at_mark(duty, event)
@@ -165,8 +153,8 @@ def recovered(duty: DutyStep) -> bool:
         give_back_elsewhere(duty)
     if state.stands_at is not None and state.stands_at == len(duty.plan.stops) - 1:
         if on_line:
-            duty.set(phase=DutyPhase.FINISHED)
-            duty.actions.append(Finished(duty.plan.number))
+            duty.set(phase=records.DutyPhase.FINISHED)
+            duty.actions.append(records.Finished(duty.plan.number))
         return False
     if state.stands_at is not None and on_line:
         duty.ask(duty.plan.leg_at(duty.stop(state.stands_at).span))
@@ -178,7 +166,7 @@ def seek_radio(duty: DutyStep) -> None:
     end of the section that it stands in, until it hears something.
     """
     state = duty.state
-    if state.phase is DutyPhase.ON_SIGHT:
+    if state.phase is records.DutyPhase.ON_SIGHT:
         return  # by what it hears
     on_its_way = state.halted and state.phase in MAY_LOSE and state.place.known
     seeks = on_its_way and (state.seeks_radio or (state.place.stands and not state.place.covered))
@@ -190,7 +178,7 @@ def heard(duty: DutyStep) -> None:
     """The radio reaches it, wherever it thinks that it is: what waits for that can be said."""
     if not duty.state.place.covered:
         duty.set(place=replace(duty.state.place, covered=True))
-    if duty.state.seeks_radio and duty.state.phase is DutyPhase.ON_SIGHT:
+    if duty.state.seeks_radio and duty.state.phase is records.DutyPhase.ON_SIGHT:
         duty.await_release()  # so that it listens again
     if duty.state.seeks_radio or duty.state.listens:
         duty.set(seeks_radio=False, listens=False)
@@ -200,7 +188,7 @@ def hears_nothing(duty: DutyStep) -> bool:
     """Whether a train halted on sight, whose driver may acknowledge its stop, has heard nothing since it was asked
     last: no place tells it where the radio reaches. It goes on to there, by its crew's eye within the section.
     """
-    if duty.state.phase is DutyPhase.ON_SIGHT:
+    if duty.state.phase is records.DutyPhase.ON_SIGHT:
         duty.set(seeks_radio=duty.state.listens, listens=not duty.state.listens)
     return duty.state.seeks_radio
 
@@ -253,7 +241,7 @@ def resume(duty: DutyStep) -> None:
     duty.set(
         at=at,
         stands_at=None,
-        phase=DutyPhase.STANDING if stands else DutyPhase.RUNNING,
+        phase=records.DutyPhase.STANDING if stands else records.DutyPhase.RUNNING,
         entered=state.entered | behind,
         sweeps=bool(state.authority.unswept),  # on sight already, it need not stop before what must be swept
     )
@@ -261,7 +249,7 @@ def resume(duty: DutyStep) -> None:
     duty.note(notes.Resumed(next_target=at + 1))
     if stands and at > 0 and state.stands_at != at:  # it came here while it did not know
         duty.note(notes.Arrived(station=duty.stop(at).place, error_m=None))
-    duty.actions.append(DrivingOrder.RESUME)
+    duty.actions.append(records.DrivingOrder.RESUME)
 
 
-MAY_LOSE: Final = (DutyPhase.STANDING, DutyPhase.RUNNING)
+MAY_LOSE: Final = (records.DutyPhase.STANDING, records.DutyPhase.RUNNING)

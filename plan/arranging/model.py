@@ -42,9 +42,8 @@ EARLY_COST: Final = (
 STOP_COST: Final = 5  # a stop that no source prints, where it saves nothing
 TRACK_COST: Final = 1  # a track that is not the usual one
 BEYOND_COST: Final = 1000 * SECOND
-MORE_COST: Final = (
-    600 * BEYOND_COST
-)  # assumed: a track more is worth ten minutes in all beyond what is allowed
+# assumed: a track more is worth ten minutes in all beyond what is allowed
+MORE_COST: Final = 600 * BEYOND_COST
 SLOWER_SHARE: Final = (
     0.25  # how much longer a run may take that ends in running through, so that it need not stop
 )
@@ -385,9 +384,8 @@ class ArrangeModel:
         solver.parameters.use_strong_propagation_in_disjunctive = aim is not Aim.ANY
         # Trains that push each other through a wide reach second by second: presolve does not count such work.
         solver.parameters.cp_model_presolve = self._reach_s <= PRESOLVED_S
-        if (
-            aim is Aim.ANY
-        ):  # as a dispatcher does it: what can be first in the day is settled first, as soon as it can be
+        # as a dispatcher does it: what can be first in the day is settled first, as soon as it can be
+        if aim is Aim.ANY:
             solver.parameters.search_branching = cp_model.FIXED_SEARCH
         told = None
         if tell is not None and aim is Aim.LEAST:

@@ -13,14 +13,8 @@ from plan.arranging.problem import Arranged, TrainToArrange
 from plan.arranging.search import improved
 from plan.arranging.telling import Tell, tell_nobody
 
-REACHES_S: Final = (
-    300,
-    600,
-    1200,
-    2400,
-    4800,
-    REACH_S,
-)  # one after the other: a plan is found sooner with less
+# one after the other: a plan is found sooner with less
+REACHES_S: Final = (300, 600, 1200, 2400, 4800, REACH_S)
 # Of the solver's counted work, of which a unit takes a processor 10 to 20 s:
 WORK_MAX: Final = 1.5  # for all days and reaches
 FIRST_WORK: Final = 0.1  # for any plan of a day

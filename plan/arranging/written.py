@@ -108,9 +108,8 @@ def soonest(
         run_s += left.longer_s(before.track, stands=before.stands, leaves=True)
         run_s += visit.longer_s(here.track, stands=here.stands, leaves=False)
         arrives_s = here.arrival_s
-        goes_on = (
-            train.leaves is not None and visit is train.visits[-1]
-        )  # by a portal that others need till then
+        # by a portal that others need till then
+        goes_on = train.leaves is not None and visit is train.visits[-1]
         if here.stands and not goes_on:
             free_s = after_s.get((train.number, here.station_id), 0)
             arrives_s = min(arrives_s, max(found[-1].departure_s + run_s, visit.arrival_s or 0, free_s))

@@ -210,9 +210,8 @@ def _waits(line: Line, legs: Sequence[SetLeg], times: Mapping[str, TimesOfTrain]
             )
             before, _, before_s = min(ending, key=lambda item: abs(item[2] - end_s))
             after, _, after_s = begun[0]
-            if (
-                after.departs
-            ):  # else it goes out by a portal: what it waits for there delays no time of the plan
+            # who does not depart goes out by a portal: what it waits for there delays no time of the plan
+            if after.departs:
                 least_s = (end_s - before_s) + (after_s - begin_s) + REFUSED_REPEAT_S
                 yield SectionWait(before, after, least_s, section_id)
 

@@ -18,9 +18,8 @@ from network.model import Direction, Line
 from simulation.carriers.carrier import Truth
 from simulation.carriers.touching import Extent, Look, text_of, touch
 
-Before = Callable[
-    [str, Direction], str | None
-]  # the piece from which a direction enters a piece; None: no track
+# the piece from which a direction enters a piece; None: no track
+Before = Callable[[str, Direction], str | None]
 
 
 @dataclass(slots=True, eq=False)

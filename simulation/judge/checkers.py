@@ -16,36 +16,7 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
-from simulation.events import (
-    MANAGER,
-    WORLD,
-    Accepted,
-    Barred,
-    Collision,
-    ConfirmedByHand,
-    CutIn,
-    Event,
-    Freed,
-    Granted,
-    Holds,
-    JournalEntry,
-    Outside,
-    PictureChanged,
-    PointsForced,
-    PointsLocked,
-    PointsMoving,
-    PointsUnlocked,
-    ProofDropped,
-    Proven,
-    Reported,
-    Sent,
-    Started,
-    TakenBack,
-    TookEffect,
-    UnitRestarted,
-    Unsafe,
-    VehicleStruck,
-)
+from simulation import events
 from simulation.judge.body import RESOLUTION_M, Body, Heights, NetTrack
 from simulation.judge.crossings import CrossingFacts, CrossingWatch
 from simulation.judge.entering import EntryWatch, TrackOverlap
@@ -315,96 +286,98 @@ class Checkers:
 
     # journal ------------------------------------------------------------------------------------------------
 
-    def journal(self, entry: JournalEntry) -> None:
+    def journal(self, entry: events.JournalEntry) -> None:
         """One journal entry, in order. Entries that say nothing to a checker are passed over."""
         if self._changed and entry.t_s > self._changed_s:
             self._judge_changes()
         t_s, who, event = entry.t_s, entry.who, entry.event
-        if isinstance(event, Sent):  # what has not been heard changes nothing
+        if isinstance(event, events.Sent):  # what has not been heard changes nothing
             return
         self._pilots.see(event)
         self._crossings.see(entry, self._bodies.values())
-        if isinstance(event, CutIn) and event.unit_id in self._bodies:  # as where it was put on the line
+        # as where it was put on the line
+        if isinstance(event, events.CutIn) and event.unit_id in self._bodies:
             self._bodies[event.unit_id].excepted = self._bodies[event.unit_id].sections
             self._forgets(event.unit_id)
-        if isinstance(event, TookEffect):
+        if isinstance(event, events.TookEffect):
             self._took_effect(t_s, who, event)
-        elif who == MANAGER:
+        elif who == events.MANAGER:
             self._of_manager(t_s, event)
-        elif who == WORLD:
+        elif who == events.WORLD:
             self._of_world(t_s, event)
         else:
             self._of_unit(t_s, who, event)
 
-    def _of_manager(self, t_s: float, event: Event) -> None:
+    def _of_manager(self, t_s: float, event: events.Event) -> None:
         match event:
-            case Granted():
+            case events.Granted():
                 self._register.granted(t_s, event.unit_id, event.route_id, event.section_ids, event.token)
-            case Freed(unit_id=unit_id, section_ids=section_ids):
+            case events.Freed(unit_id=unit_id, section_ids=section_ids):
                 self._register.freed(unit_id, section_ids)
                 self._note_change(t_s, unit_id)
-            case Accepted() | ConfirmedByHand():
+            case events.Accepted() | events.ConfirmedByHand():
                 self._register.accepted(t_s, event.unit_id, event.section_ids)
                 self._taken(t_s, event.unit_id)
-            case Outside(unit_id=unit_id):
+            case events.Outside(unit_id=unit_id):
                 self._register.outside(unit_id)
                 self._outside(t_s, unit_id)
-            case Barred(unit_id=unit_id):
+            case events.Barred(unit_id=unit_id):
                 self._register.barred(unit_id)
-            case TakenBack(unit_id=unit_id):
+            case events.TakenBack(unit_id=unit_id):
                 self._register.taken_back(unit_id)
-            case PictureChanged(stage="defined"):
+            case events.PictureChanged(stage="defined"):
                 self._register.defined()
-            case Started(epoch=epoch):
+            case events.Started(epoch=epoch):
                 self._register.restarted(self._unit_ids, epoch)
             case _:
                 pass
 
-    def _of_world(self, t_s: float, event: Event) -> None:
+    def _of_world(self, t_s: float, event: events.Event) -> None:
         bodies = self._bodies.values()
         match event:
             case (
-                PointsMoving(points_id=points_id)
-                | PointsUnlocked(points_id=points_id)
-                | PointsForced(points_id=points_id)
+                events.PointsMoving(points_id=points_id)
+                | events.PointsUnlocked(points_id=points_id)
+                | events.PointsForced(points_id=points_id)
             ):
                 for unit_id in self._locking.points_stirred(points_id):
                     self._lock_failed(t_s, unit_id, points_id, "they did not stay locked")
             case _:
                 pass
         match event:
-            case PointsMoving(points_id=points_id):
+            case events.PointsMoving(points_id=points_id):
                 self._points.moving(t_s, points_id, bodies)
-            case PointsLocked(points_id=points_id, position=position):
+            case events.PointsLocked(points_id=points_id, position=position):
                 self._points.locked(t_s, points_id, position, bodies)
-            case PointsUnlocked(points_id=points_id):
+            case events.PointsUnlocked(points_id=points_id):
                 self._points.unlocked(t_s, points_id, bodies)
-            case PointsForced(points_id=points_id):
+            case events.PointsForced(points_id=points_id):
                 self._points.points_lost(t_s, points_id, bodies)
-            case Unsafe(unit_id=unit_id):
+            case events.Unsafe(unit_id=unit_id):
                 body = self._bodies.get(unit_id)
                 if self._rail.outside(t_s, unit_id) or (body is not None and body.overrun):
                     text = f"{unit_id} {event.text}"
                     self._log.note_outside(t_s, "unsafe", text, text)
-            case Collision(text=text):  # `sumo-collision`: SUMO's own check found two trains in one place
+            # `sumo-collision`: SUMO's own check found two trains in one place
+            case events.Collision(text=text):
                 self._log.note(t_s, Checker.SUMO_COLLISION, text, text)
-            case VehicleStruck(text=text):
+            case events.VehicleStruck(text=text):
                 self._log.note(t_s, Checker.SUMO_COLLISION, text, text)
             case _:
                 pass
 
-    def _of_unit(self, t_s: float, unit_id: str, event: Event) -> None:
+    def _of_unit(self, t_s: float, unit_id: str, event: events.Event) -> None:
         match event:
-            case Holds(section_ids=section_ids):
+            case events.Holds(section_ids=section_ids):
                 self._holds(t_s, unit_id, frozenset(section_ids))
-            case Reported(section_ids=section_ids):
+            case events.Reported(section_ids=section_ids):
                 self._reported(t_s, unit_id, frozenset(section_ids))
-            case Proven(points_id=points_id, position=position, token=token):
+            case events.Proven(points_id=points_id, position=position, token=token):
                 self._proofs.setdefault(unit_id, {})[points_id] = ProvenPoints(position, token)
                 self._locking.forget_losses(unit_id, (points_id,))
-            case ProofDropped(points_id=points_id):
+            case events.ProofDropped(points_id=points_id):
                 self._lost(unit_id, (points_id,))
-            case UnitRestarted():
+            case events.UnitRestarted():
                 self._forgets(unit_id)
                 self._lost(unit_id, tuple(self._proofs.get(unit_id, ())))
             case _:
@@ -459,7 +432,7 @@ class Checkers:
             text = f"{unit_id} {verb} section {section_id} while its train is in it"
             self._log.note(t_s, Checker.RELEASE_BEHIND_REAR, f"{section_id} {unit_id}", text)
 
-    def _took_effect(self, t_s: float, who: str, event: TookEffect) -> None:
+    def _took_effect(self, t_s: float, who: str, event: events.TookEffect) -> None:
         """`telegram-once`: no telegram of one boot of its source takes effect twice at a receiver, whoever it is."""
         source, epoch, sequence = event.source, event.epoch, event.sequence
         done = self._effects.setdefault((who, source, epoch), set())

@@ -13,16 +13,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from simulation.events import (
-    BarrierState,
-    CrossingBarriers,
-    CrossingCreep,
-    CrossingLamps,
-    CrossingOpens,
-    JournalEntry,
-    RoadStopped,
-    TookEffect,
-)
+from simulation import events
 from simulation.judge.body import RESOLUTION_M, Body
 from simulation.judge.locking import GuaranteedBrake
 from simulation.judge.log import Checker, Log
@@ -86,29 +77,29 @@ class CrossingWatch:
         self._crept: set[tuple[str, str]] = set()  # who came onto which by leave to creep
         self._heard: set[tuple[str, str]] = set()  # who has announced itself to which
 
-    def see(self, entry: JournalEntry, bodies: Iterable[Body]) -> None:
+    def see(self, entry: events.JournalEntry, bodies: Iterable[Body]) -> None:
         """Lamps and barriers change; a driver has leave to creep over a crossing, once, that of somebody who guards it
         only if the road was stopped by hand for him before.
         """
         match entry.event:
-            case CrossingLamps(crossing_id=crossing_id, lit=lit):
+            case events.CrossingLamps(crossing_id=crossing_id, lit=lit):
                 road, was_s = self._roads[crossing_id], self._closed_s(crossing_id)
                 road.freed_of = None if lit else road.freed_of
                 if lit or road.lowered_s == math.inf:  # barriers that are down hold who has been warned
                     road.lit_s = entry.t_s if lit else math.inf
                 self._ceases(crossing_id, was_s, bodies)
-            case CrossingBarriers(crossing_id=crossing_id, state=state):
+            case events.CrossingBarriers(crossing_id=crossing_id, state=state):
                 road, was_s = self._roads[crossing_id], self._closed_s(crossing_id)
-                road.lowered_s = entry.t_s if state is BarrierState.LOWERED else math.inf
+                road.lowered_s = entry.t_s if state is events.BarrierState.LOWERED else math.inf
                 self._ceases(crossing_id, was_s, bodies)
-            case CrossingOpens(struck_off=struck_off):
+            case events.CrossingOpens(struck_off=struck_off):
                 self._roads[entry.who].freed_of = struck_off
                 self._opens(entry.t_s, entry.who, bodies)
-            case TookEffect(source=unit_id, kind=kind) if kind in (ANNOUNCES, IS_OVER):
+            case events.TookEffect(source=unit_id, kind=kind) if kind in (ANNOUNCES, IS_OVER):
                 (self._heard.add if kind == ANNOUNCES else self._heard.discard)((unit_id, entry.who))
-            case RoadStopped(crossing_id=crossing_id, unit_id=unit_id):
+            case events.RoadStopped(crossing_id=crossing_id, unit_id=unit_id):
                 self._stopped.add((unit_id, crossing_id))
-            case CrossingCreep(crossing_id=crossing_id, guarded=guarded):
+            case events.CrossingCreep(crossing_id=crossing_id, guarded=guarded):
                 pair = (entry.who, crossing_id)
                 if not guarded or pair in self._stopped:
                     self._leave.add(pair)

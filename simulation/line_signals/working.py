@@ -25,9 +25,8 @@ from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.substitute.by_hand import DrivenTrain, HandDriver
 from simulation.world.stage import World
 
-SUBSTITUTE_MPS: Final = (
-    40.0 / 3.6
-)  # published: the most over the points beyond a signal passed by that aspect
+# published: the most over the points beyond a signal passed by that aspect
+SUBSTITUTE_MPS: Final = 40.0 / 3.6
 HOME_M: Final = 1000.0  # assumed: the contact that throws arrival points, beyond a train's braking distance
 
 

@@ -113,17 +113,15 @@ class Sign:
 # The pitch between trials "apart in time" is fitted to the scatter of table 2: 0.41 px, of which writing half pixels
 # makes 0.14.
 PAPER_CAMERA: Final = CameraModel()
-PAPER_SIGN: Final = Sign(
-    diameter_m=0.018, right_m=0.20, up_m=0.359 - 0.189
-)  # right: assumed, clear of the car
+# right: assumed, clear of the car
+PAPER_SIGN: Final = Sign(diameter_m=0.018, right_m=0.20, up_m=0.359 - 0.189)
 
 # Each 0.1 m to 2.8 m before the stop with the sign 0.5 m beyond it (3.3.2, 3.3.3); nearer than 0.5 m for overruns
 # and for table 2's places.
 PAPER_TABLE_M: Final = tuple(round(0.1 * k, 1) for k in range(2, 34))
 
-SIGN_QUARTER: Final = ImageWindow(
-    640, 480, 1280, 960
-)  # right of and below the axis: all a sign on the right can reach
+# right of and below the axis: all a sign on the right can reach
+SIGN_QUARTER: Final = ImageWindow(640, 480, 1280, 960)
 
 # The same sensor for a real line, assumed: the paper's lens sees a 0.18 m sign to some 30 m only; 8 mm reach 70 m.
 LINE_CAMERA: Final = replace(

@@ -42,10 +42,8 @@ class Scanner:
     points_per_s: float = 240_000.0
     range_sigma_m: float = 0.02  # 1 sigma at 20 m
     angle_sigma_deg: float = 0.05  # "below 0.05 degrees"
-    divergence_deg: tuple[float, float] = (
-        0.03,
-        0.28,
-    )  # of a beam, horizontal and vertical, taken as its half width
+    # of a beam, horizontal and vertical, taken as its half width
+    divergence_deg: tuple[float, float] = (0.03, 0.28)
     beams: int = 6  # lines in the driver's records of this model
     # assumed: about as fast as a prism of its Mid-40 (7294/min; Liu, Wu and Zhang 2022), and by the golden ratio away
     # from any that would repeat. 0.1 s leave lines 0.3 degrees apart (the maker: 0.2 to 0.4), 0.5 s cover 98 % (2.1).

@@ -22,9 +22,8 @@ FIGURES: Final = len(LIGHTS) * PLACES
 NEAREST_M: Final = PLACES_M[0]
 SEEN_FROM_M: Final = PLACES_M[-1]
 HOURS_MAX: Final = 8
-PAST_MARK_M: Final = (
-    SIGN_BEYOND_MARK_M / 2.0
-)  # nearer than this the front is well past the mark: nothing to look for
+# nearer than this the front is well past the mark: nothing to look for
+PAST_MARK_M: Final = SIGN_BEYOND_MARK_M / 2.0
 
 
 class SignCameraRow(Protocol):

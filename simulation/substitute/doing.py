@@ -19,9 +19,8 @@ from simulation.substitute.work import Work, is_post, place_of
 from simulation.substitute_settings import Substitute
 from simulation.world.stage import World
 
-BY_ITSELF: Final = frozenset(
-    {WorkingStep.GO}
-)  # left out, its effect comes all the same: the driver leaves by himself
+# left out, its effect comes all the same: the driver leaves by himself
+BY_ITSELF: Final = frozenset({WorkingStep.GO})
 PASSED_OVER: Final = "passed over"
 
 

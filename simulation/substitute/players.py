@@ -139,9 +139,8 @@ class SubstitutePlayers:
                 return False
         if work.book.finished(work.rows):
             work.book = work.book.train_over(work.rows)
-        if (
-            work.row is not None and work.row.step in work.book.steps
-        ):  # a person has let the train go meanwhile
+        # a person has let the train go meanwhile
+        if work.row is not None and work.row.step in work.book.steps:
             work.row = None
         due = work.book.due_rows(work.rows, ending=ending)
         if not due and work.row is None:

@@ -63,9 +63,8 @@ class PathArrays(NamedTuple):
 class Sheet(NamedTuple):
     """What Python reads after a stretch, in blocks; the first axis is the order of `movers`, or the slot where said."""
 
-    movers: NDArray[
-        np.int64
-    ]  # slots of the stock that drove or rolled, ascending; then of stock that began to move
+    # slots of the stock that drove or rolled, ascending; then of stock that began to move
+    movers: NDArray[np.int64]
     speeds_mps: NDArray[np.float64]  # (movers, steps): at the end of each step
     # (slots, 6), by slot: of the step in which bounds were broken most, or nearest to it: by how much (m; -inf: no
     # step with a known position), the step, true position, believed position, bound behind, bound ahead

@@ -13,23 +13,10 @@ from network.model import Line, Position
 from radio.envelope import header_of, noted_terms
 from radio.messages import RouteRequest
 from radio.noted import Lost, LostWhere, Sent
+from simulation import events
 from simulation.agenda import Agenda, AgendaKind
 from simulation.carriers.road import Road
 from simulation.clock import RIGHT, Clock
-from simulation.events import (
-    WORLD,
-    Commissioned,
-    PointsForced,
-    PointsKeyBack,
-    PointsLocked,
-    PointsLockedByHand,
-    PointsMoving,
-    PointsSetByHand,
-    PointsUnlocked,
-    PowerOff,
-    PowerOn,
-    Uncommissioned,
-)
 from simulation.journal import Journal
 from simulation.setup import STEPS_PER_S, step_not_before
 from simulation.world import point_machine
@@ -76,9 +63,8 @@ class WaysideWorld:
         self._inputs: dict[str, list[Input]] = defaultdict(list)
         self._wakes: dict[str, int] = {}
         self.down: Final[set[str]] = set()  # devices without power
-        self.uncommissioned: Final[set[str]] = (
-            set()
-        )  # of these, those that have power and lost their durable state
+        # of these, those that have power and lost their durable state
+        self.uncommissioned: Final[set[str]] = set()
         self._frozen: dict[str, list[bytes]] = {}
         self._clocks: dict[str, Clock] = {}
 
@@ -139,7 +125,7 @@ class WaysideWorld:
             where=where,
             **noted_terms(header),
         )
-        self._journal.write(step / STEPS_PER_S, WORLD, lost)
+        self._journal.write(step / STEPS_PER_S, events.WORLD, lost)
 
     def advance(self, step: int, device_id: str, telegrams: list[bytes]) -> None:
         """Let a device act on what has come. A dead one loses it, a frozen one finds it later."""
@@ -165,7 +151,7 @@ class WaysideWorld:
     def force(self, step: int, points_id: str) -> None:
         """A train has run through points set against it."""
         forced = point_machine.step(self.machines[points_id], point_machine.Forced(), step / STEPS_PER_S)
-        self._journal.write(step / STEPS_PER_S, WORLD, PointsForced(points_id=points_id))
+        self._journal.write(step / STEPS_PER_S, events.WORLD, events.PointsForced(points_id=points_id))
         self._moved(step, forced)
 
     def position_of(self, points_id: str) -> Position | None:
@@ -207,20 +193,20 @@ class WaysideWorld:
         self.machines[machine.points_id] = machine
         points = machine.points_id
         if before.locked and not machine.locked:
-            self._journal.write(step / STEPS_PER_S, WORLD, PointsUnlocked(points_id=points))
+            self._journal.write(step / STEPS_PER_S, events.WORLD, events.PointsUnlocked(points_id=points))
         if machine.key and machine.key != before.key:
-            taken = PointsLockedByHand(points_id=points, unit_id=machine.key)
-            self._journal.write(step / STEPS_PER_S, WORLD, taken)
+            taken = events.PointsLockedByHand(points_id=points, unit_id=machine.key)
+            self._journal.write(step / STEPS_PER_S, events.WORLD, taken)
         if before.key and not machine.key:
-            back = PointsKeyBack(points_id=points, unit_id=before.key)
-            self._journal.write(step / STEPS_PER_S, WORLD, back)
+            back = events.PointsKeyBack(points_id=points, unit_id=before.key)
+            self._journal.write(step / STEPS_PER_S, events.WORLD, back)
         if machine.target is not None and machine.target is not before.target:
-            moving = PointsMoving(points_id=points, target=machine.target)
-            self._journal.write(step / STEPS_PER_S, WORLD, moving)
+            moving = events.PointsMoving(points_id=points, target=machine.target)
+            self._journal.write(step / STEPS_PER_S, events.WORLD, moving)
         settled = not before.locked or machine.position is not before.position
         if machine.locked and settled and machine.position is not None:
-            locked = PointsLocked(points_id=points, position=machine.position)
-            self._journal.write(step / STEPS_PER_S, WORLD, locked)
+            locked = events.PointsLocked(points_id=points, position=machine.position)
+            self._journal.write(step / STEPS_PER_S, events.WORLD, locked)
         if machine.done_at_s is not None and machine.done_at_s != before.done_at_s:
             self._agenda.put(step_not_before(machine.done_at_s), AgendaKind.POINTS, points)
         shown = point_machine.detection(machine)
@@ -252,7 +238,7 @@ class WaysideWorld:
     def repair(self, step: int, points_id: str, position: Position) -> None:
         """Staff set the points by hand, lock them and take their faults away (手回し)."""
         repaired = point_machine.step(self.machines[points_id], Repaired(position), step / STEPS_PER_S)
-        by_hand = PointsSetByHand(points_id=points_id, position=position)
+        by_hand = events.PointsSetByHand(points_id=points_id, position=position)
         self._journal.write(step / STEPS_PER_S, "staff", by_hand)
         self._moved(step, repaired)
 
@@ -266,7 +252,7 @@ class WaysideWorld:
         if device_id in self._frozen:
             self._frozen[device_id].clear()
             self._inputs.pop(device_id, None)
-        self._journal.write(step / STEPS_PER_S, WORLD, PowerOff(device_id=device_id))
+        self._journal.write(step / STEPS_PER_S, events.WORLD, events.PowerOff(device_id=device_id))
         self.crossings.relays_fall(step, device_id)
 
     def power_on(self, step: int, device_id: str) -> None:
@@ -277,10 +263,10 @@ class WaysideWorld:
             self._parties.restart(device_id)
         except NotCommissioned:
             self.uncommissioned.add(device_id)
-            self._journal.write(step / STEPS_PER_S, WORLD, Uncommissioned(device_id=device_id))
+            self._journal.write(step / STEPS_PER_S, events.WORLD, events.Uncommissioned(device_id=device_id))
             return
         self.down.discard(device_id)
-        self._journal.write(step / STEPS_PER_S, WORLD, PowerOn(device_id=device_id))
+        self._journal.write(step / STEPS_PER_S, events.WORLD, events.PowerOn(device_id=device_id))
         for points_id, terminal_id in self._terminal_of.items():
             if terminal_id == device_id:
                 self.input(step, device_id, point_machine.detection(self.machines[points_id]))
@@ -295,8 +281,8 @@ class WaysideWorld:
         """People put a device into service again that waits for it: it boots."""
         self.uncommissioned.discard(device_id)
         self._parties.commission(device_id, number, vital)
-        commissioned = Commissioned(device_id=device_id, number=number)
-        self._journal.write(step / STEPS_PER_S, WORLD, commissioned)
+        commissioned = events.Commissioned(device_id=device_id, number=number)
+        self._journal.write(step / STEPS_PER_S, events.WORLD, commissioned)
         self.power_on(step, device_id)
 
     def set_clock(self, step: int, device_id: str, clock: Clock) -> None:

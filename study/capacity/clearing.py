@@ -78,9 +78,8 @@ class Clearing:
         known_m = _known_m(journey.mission)
         growth = self.growth
         least_m = self.unit.tag_accuracy_m + self.pulse_m
-        first = max(
-            bisect_right(known_m, max(from_m, end_m)) - 1, 0
-        )  # before it the front is not beyond either
+        # before it the front is not beyond either
+        first = max(bisect_right(known_m, max(from_m, end_m)) - 1, 0)
         for at, last_m in enumerate(known_m[first:], first):
             begin_m = max(from_m, last_m)
             since_m = max(begin_m - known_m[max(at - self.unit.tags_wrong_together, 0)], 0.0)

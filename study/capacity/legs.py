@@ -17,14 +17,10 @@ from typing import Final
 from network.model import Direction, Line, SectionKind
 from study.capacity.occupation import COST_OF, TOUCH_S, Occupation, OccupationCost, OccupationPart, Slice
 
-SLACK: Final = frozenset(
-    {OccupationPart.READY, OccupationPart.HELD, OccupationPart.LAYOVER}
-)  # a stand is no longer than needed without these
-SETTING: Final = (
-    OccupationPart.THROW,
-    OccupationPart.AIR,
-    OccupationPart.PROOF,
-)  # of points; who waits for several waits for the first of these
+# a stand is no longer than needed without these
+SLACK: Final = frozenset({OccupationPart.READY, OccupationPart.HELD, OccupationPart.LAYOVER})
+# of points; who waits for several waits for the first of these
+SETTING: Final = (OccupationPart.THROW, OccupationPart.AIR, OccupationPart.PROOF)
 PLACES: Final = frozenset({SectionKind.TRACK, SectionKind.PORTAL})
 IsPlace = Callable[[str], bool]
 

@@ -46,9 +46,8 @@ def _passage(hold: SectionHold, standing: tuple[PassageStand, ...], line: Line) 
     portal = line.sections[hold.section_id].kind is SectionKind.PORTAL
     leaves_s, rear_s, safe_rear_s = visit.leaves_s, visit.rear_s, visit.safe_rear_s
     reported_s = hold.freed_s if hold.reported_s is None else hold.reported_s
-    if (
-        portal and hold.reported_s is None and visit.enters_s <= hold.arrived_s < hold.freed_s
-    ):  # signed off there
+    # signed off there
+    if portal and hold.reported_s is None and visit.enters_s <= hold.arrived_s < hold.freed_s:
         leaves_s = rear_s = safe_rear_s = reported_s = hold.arrived_s
     wanted_s, sent_s, heard_s = hold.asked
     held_s = heard_s if hold.held_s is None else hold.held_s

@@ -94,9 +94,8 @@ def occupation_of(passage: SectionPassage, ends_s: float = math.inf) -> Occupati
         passage.enters_s,
         passage.leaves_s,
         passage.rear_s,
-        min(
-            passage.safe_rear_s, passage.reported_s
-        ),  # at a mark the driver sees more than the unit is sure of
+        # at a mark the driver sees more than the unit is sure of
+        min(passage.safe_rear_s, passage.reported_s),
         passage.reported_s,
         passage.freed_s,
     )
@@ -107,9 +106,8 @@ def occupation_of(passage: SectionPassage, ends_s: float = math.inf) -> Occupati
     stretches = [Slice(part, *ends) for part, ends in zip(_COMING, pairwise(times), strict=True)]
     slices = [piece for stretch in stretches for piece in _painted(stretch, passage)]
     joined = list(_joined(slices)) or [Slice(OccupationPart.RUN, end_s, end_s)]
-    if (
-        LAST_STANDS and passage.enters_s <= end_s < passage.leaves_s
-    ):  # who comes to a stand as the day ends does not pass
+    # who comes to a stand as the day ends does not pass
+    if LAST_STANDS and passage.enters_s <= end_s < passage.leaves_s:
         ends = [Slice(s.part, end_s, end_s) for s in passage.standing if abs(s.begin_s - end_s) <= TOUCH_S]
         joined += ends[-1:]
     return Occupation(

@@ -32,11 +32,8 @@ NOT_LATE_S: Final = (
 )
 WITHIN_S: Final = (NOT_LATE_S, 15, 60, 180, 300)
 _TRAINS: Final = ("planned", "ran their whole journey", "cancelled", "shortened")
-_COUNTED: Final = {
-    "intervention": "interventions",
-    "refusal": "refusals",
-    "fault": "faults",
-}  # kinds of events
+# kinds of events
+_COUNTED: Final = {"intervention": "interventions", "refusal": "refusals", "fault": "faults"}
 _CROSSINGS: Final = "level crossings"  # a group that is left out where no run has any
 Value: TypeAlias = float | None
 
@@ -236,14 +233,8 @@ def _on_hop(side: ComparedRun, margins: pl.DataFrame) -> Phrase:
     return joined_phrases((Phrase(margins["train"][0]), ends), " ", " ")
 
 
-TABLES: Final = (
-    "margins",
-    "energy",
-    "driving",
-    "telegrams",
-    "crossings",
-    "stops",
-)  # what is compared row by row
+# what is compared row by row
+TABLES: Final = ("margins", "energy", "driving", "telegrams", "crossings", "stops")
 
 
 def names_in(table: str) -> Mapping[str, Said]:

@@ -8,21 +8,8 @@ from msgspec.structs import replace as replace_in
 
 from host.order_solver import order_solver
 from network.graph import all_routes
+from radio import messages
 from radio.keys import KEY_BYTES
-from radio.messages import (
-    AnyMessage,
-    Claim,
-    HoldingReport,
-    NextTrainReport,
-    OrderRefusalReason,
-    OrderRefused,
-    RouteRequest,
-    RouteTakenBack,
-    SignOff,
-    SignOn,
-    TrackOrdered,
-    TrainOrdered,
-)
 from scenario.scenario import load_scenario
 from study.runner.journeys import dispatch_of
 from wayside.actions import Send
@@ -53,9 +40,8 @@ class ManagerDay:
         }
         self.register: Register = start(config, 1, keys, solver=order_solver())
         self.at = [0] * len(journeys)
-        self.planned_at = [
-            list(range(len(moves))) for moves in self.moves
-        ]  # the place of each in the day as planned
+        # the place of each in the day as planned
+        self.planned_at = [list(range(len(moves))) for moves in self.moves]
         self.leaves_s: dict[int, float] = {}  # when a stock leaves that holds its route already
         self.given_back: dict[int, float] = {}  # who has given it back, and until when it asks for none
         self.cut: dict[
@@ -66,37 +52,37 @@ class ManagerDay:
         self._between = {(r.from_section, r.section_ids[-1]): r.route_id for r in config.routes}
         for k, journey in enumerate(journeys):
             first = self._routes.get(journey.moves[0].route_id) if journey.moves else None
-            self.hear(k, Claim((first.from_section,) if first else (), 0), 0.0)
+            self.hear(k, messages.Claim((first.from_section,) if first else (), 0), 0.0)
 
     def move(self, k: int) -> JourneyMove | None:
         """The next move of a stock; None: its day is over."""
         moves, at = self.moves[k], self.at[k]
         return moves[at] if at < len(moves) else None
 
-    def request(self, k: int) -> AnyMessage:
+    def request(self, k: int) -> messages.AnyMessage:
         """What a stock asks for its next move."""
         unit_id, move = self.journeys[k].unit_id, self.moves[k][self.at[k]]
         route = self._routes.get(move.route_id)
         if route is None:
-            return SignOn(unit_id, (move.section_id,))
-        return RouteRequest(unit_id, route.route_id, route.section_ids)
+            return messages.SignOn(unit_id, (move.section_id,))
+        return messages.RouteRequest(unit_id, route.route_id, route.section_ids)
 
-    def hear(self, k: int, message: AnyMessage, now_s: float) -> bool:
+    def hear(self, k: int, message: messages.AnyMessage, now_s: float) -> bool:
         """The manager hears a stock; whether it granted it something. What it orders is done at once, or refused."""
         before = self.register.counter
         heard = Heard(self.journeys[k].unit_id, 1, True, 0, message)
         self.register, actions = step(self.register, heard, now_s)
         sends = [action for action in actions if isinstance(action, Send)]
-        assert sends or isinstance(message, OrderRefused)
+        assert sends or isinstance(message, messages.OrderRefused)
         granted = self.register.counter != before
         for send in sends:
             match send.message:
-                case TrackOrdered(_, instead):
+                case messages.TrackOrdered(_, instead):
                     self._go_by(k, instead)
                     return self.hear(k, self.request(k), now_s)
-                case TrainOrdered(_, train):
+                case messages.TrainOrdered(_, train):
                     self._goes_on_as(k, train, now_s)
-                case RouteTakenBack():
+                case messages.RouteTakenBack():
                     self._asked_back(self._number[send.destination], send.message, now_s)
                 case _:
                     pass
@@ -120,26 +106,28 @@ class ManagerDay:
         first = replace_in(moves[to], route_id=self._between[here, moves[to].section_id])
         self.moves[k] = [*moves[:at], first, *moves[to + 1 :]]
         del self.planned_at[k][at:to]
-        self.hear(k, NextTrainReport((here,), self.register.unit(unit_id).token, (), train), now_s)
+        self.hear(k, messages.NextTrainReport((here,), self.register.unit(unit_id).token, (), train), now_s)
 
-    def _asked_back(self, k: int, order: RouteTakenBack, now_s: float) -> None:
+    def _asked_back(self, k: int, order: messages.RouteTakenBack, now_s: float) -> None:
         """Who stands yet gives its route back, and asks again later; else it refuses."""
         unit_id, move = self.journeys[k].unit_id, self.moves[k][self.at[k]]
         if move.route_id != order.route_id or now_s >= self.leaves_s.get(k, now_s):
-            self.hear(k, OrderRefused(order.route_id, OrderRefusalReason.NOT_AT_A_STOP), now_s)
+            self.hear(
+                k, messages.OrderRefused(order.route_id, messages.OrderRefusalReason.NOT_AT_A_STOP), now_s
+            )
             return
         self.given_back[k] = now_s + order.hold_s
         here = self._routes[move.route_id].from_section
-        self.hear(k, HoldingReport((here,), self.register.unit(unit_id).token), now_s)
+        self.hear(k, messages.HoldingReport((here,), self.register.unit(unit_id).token), now_s)
 
     def arrives(self, k: int, now_s: float) -> JourneyMove:
         """A stock has made its move: what lies behind is given back. Tells the move."""
         unit_id, move = self.journeys[k].unit_id, self.moves[k][self.at[k]]
         if move.route_id in self._routes:
             token = self.register.unit(unit_id).token
-            self.hear(k, HoldingReport((move.section_id,), token), now_s)
+            self.hear(k, messages.HoldingReport((move.section_id,), token), now_s)
             if move.leaves:
-                self.hear(k, SignOff(unit_id, token), now_s)
+                self.hear(k, messages.SignOff(unit_id, token), now_s)
                 self.register, _ = step(self.register, BoundaryPassed(move.section_id), now_s)
         self.at[k] += 1
         return move

@@ -41,11 +41,11 @@ class LostDay:
 
 
 class _Played:
-    """A day of a manager, played through. `held`: doors stay open after a train was let on, else before it asks."""
+    """A day of a manager, played through; doors stay open before a train asks."""
 
-    def __init__(self, config: ManagerConfig, seed: int, *, held: bool, share: float | None) -> None:
+    def __init__(self, config: ManagerConfig, seed: int, share: float | None) -> None:
         self._share = share
-        self._day, self._seed, self._held = ManagerDay(config, config.dispatch.journeys), seed, held
+        self._day, self._seed = ManagerDay(config, config.dispatch.journeys), seed
         self._events: list[tuple[float, int, bool]] = []  # asks, or (True) has come to the end of its move
         self._asked_s: dict[int, float] = {}
         self._doors_s: dict[int, float] = {}  # until when they are open
@@ -87,7 +87,7 @@ class _Played:
             self._due_s[k] = move.departs_s
             due_s, open_s = max(move.departs_s, ready_s), self._open_s(k, move)
             self._doors_s[k] = due_s + open_s
-            self._put(due_s if self._held else due_s + open_s, k)
+            self._put(due_s + open_s, k)
 
     def _open_s(self, k: int, move: JourneyMove) -> float:
         return doors_s(self._seed, move, self._day.planned_at[k][self._day.at[k]], self._share)
@@ -119,11 +119,9 @@ class _Played:
         self._ready(k, now_s + move.stays_s)
 
 
-def played_day(
-    config: ManagerConfig, seed: int, *, held: bool = False, share: float | None = None
-) -> LostDay:
+def played_day(config: ManagerConfig, seed: int, *, share: float | None = None) -> LostDay:
     """A day by its seed; who never comes is as late as if it came at `LAST_S`."""
-    played = _Played(config, seed, held=held, share=share)
+    played = _Played(config, seed, share)
     played.run()
     return LostDay(played.lost_s / 60.0, played.waited_s / 60.0, played.longest_s / 60.0, played.cut)
 

@@ -47,9 +47,8 @@ def _legs(setup: Setup, line: Line, train: PlannedTrain, times: RunTimes) -> Ite
             continue
         least_s = due_s(there.target, setup.unit.dwell_min_s)
         short_s = before.departs_s + there.run_s - least_s
-        if short_s < NEGLIGIBLE_S or math.isinf(
-            short_s
-        ):  # a train that cannot climb is a finding of the gradient
+        # a train that cannot climb is a finding of the gradient
+        if short_s < NEGLIGIBLE_S or math.isinf(short_s):
             continue
         names = _name(line, before), _name(line, there)
         planned_s = least_s - before.departs_s

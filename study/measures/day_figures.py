@@ -23,11 +23,8 @@ from simulation.setup import STEP_S, Setup, latest_end_s
 from study.measures import deadlock, delays, road_closures
 from study.measures.recovery import LATE_S, late_stretches, recoveries_s
 
-LIMITS_S: Final = (
-    60.0,
-    180.0,
-    300.0,
-)  # on time to the minute; UIC's and a common limit of punctuality, assumed
+# on time to the minute; UIC's and a common limit of punctuality, assumed
+LIMITS_S: Final = (60.0, 180.0, 300.0)
 # Of the journal, what figures are made from.
 EVENTS: Final[tuple[EventType, ...]] = tuple(
     dict.fromkeys((*delays.READS, *deadlock.READS, *road_closures.READS))

@@ -250,9 +250,8 @@ def _split(moment: _Moment, grown_s: float, since_s: float, seen: _JournalFacts)
     waited_s = _overlap_s(seen.waits[stop.stock_id], from_s, moment.at_s)
     if moment.comes_s is not None:
         until_s = seen.entered_s.get(stop.number, moment.at_s)
-        off_s = _overlap_s(
-            seen.failed[stop.stock_id], moment.comes_s, until_s
-        )  # its own failure keeps it outside
+        # its own failure keeps it outside
+        off_s = _overlap_s(seen.failed[stop.stock_id], moment.comes_s, until_s)
         waited_s += max(until_s - moment.comes_s - SIGNS_ON_S - off_s, 0.0)
     # Of a train that failed all is its failure's; of points or radio, for as long as they did.
     own = _overlap_s(seen.failed[stop.stock_id], since_s, moment.at_s) > 0.0

@@ -76,7 +76,6 @@ def planned_times(
     if end_s is None:
         latest_s = times.select((pl.col("planned_s") + pl.col("late_s")).max()).item()
         end_s = max(latest_end_s(timetable) if timetable.trains else 0.0, latest_s or 0.0)
-    due = times.filter(
-        pl.col("came") | (pl.col("counts") & (pl.col("planned_s") <= end_s))
-    )  # what is cancelled has its stated lateness
+    # what is cancelled has its stated lateness
+    due = times.filter(pl.col("came") | (pl.col("counts") & (pl.col("planned_s") <= end_s)))
     return due.drop("counts").with_columns(pl.col("late_s").fill_null(end_s - pl.col("planned_s")))

@@ -45,10 +45,8 @@ def comparisons_of(
         result, setup, float(energy["traction_kwh"].sum()) + float(layovers["traction_kwh"].sum())
     )
     planned = (*result.trains_planned, *result.empty_planned)
-    if set(planned) == {
-        *result.trains_arrived,
-        *result.empty_arrived,
-    }:  # stuck trains stand, and use energy for no km
+    # stuck trains stand, and use energy for no km
+    if set(planned) == {*result.trains_arrived, *result.empty_arrived}:
         rows += _public(setup, energy, layovers)
     return make_table("comparisons", rows)
 

@@ -44,9 +44,8 @@ def visits_of(result: RunResult, line: Line, lengths_m: Mapping[str, float]) -> 
     """The visits of each stock to sections, in the order in which they begin."""
     came_s, left_s = _times(result, Entered), _times(result, Left)
     found: dict[str, list[SectionVisit]] = defaultdict(list)
-    within: dict[str, dict[str, SectionVisit]] = defaultdict(
-        dict
-    )  # stock -> section -> a visit that has not ended
+    # stock -> section -> a visit that has not ended
+    within: dict[str, dict[str, SectionVisit]] = defaultdict(dict)
     for span, rows in rows_by_span(result):
         if not rows.size:
             continue

@@ -134,6 +134,5 @@ class LayoverEnergy(EnergySpent, _Stay):
 
 
 TAKEN: Final = tuple(figures_of(EnergyDrawn))
-PARTS: Final = tuple(
-    name for name in seen_in(EnergySpent, ShownIn.PARTS) if name not in TAKEN
-)  # auxiliaries apart
+# auxiliaries apart
+PARTS: Final = tuple(name for name in seen_in(EnergySpent, ShownIn.PARTS) if name not in TAKEN)

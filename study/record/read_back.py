@@ -115,9 +115,8 @@ def _check_finished(directory: Path) -> None:
         why = error.strerror if isinstance(error, OSError) else error
         raise InputError(place, "", None, f"{A_RUN} ({why})") from error
     for name, why in ((INCOMPLETE_FILE, "this one was cut short"), (CRASH_FILE, "a bug has ended this one")):
-        if name in names and not (
-            name == INCOMPLETE_FILE and SHOWN_FILE in names
-        ):  # only the report is missing
+        # only the report is missing
+        if name in names and not (name == INCOMPLETE_FILE and SHOWN_FILE in names):
             raise InputError(place, "", None, f"{A_RUN}; {why}, see {name}")
     if SUMMARY_FILE not in names:
         raise InputError(place, "", None, f"{A_RUN}; it has no {SUMMARY_FILE}")

@@ -43,9 +43,8 @@ def draw_occupation(by_cut: Mapping[str, Sequence[Rate]]) -> Figure | None:
         _draw_cut(axes, rates)
         axes.set_title(f"cut: {name}")
     fullest = max(rate.occupied_share for rates in panels.values() for rate in rates)
-    grid[-1].set_xlim(
-        0.0, max(130.0, 130.0 * fullest)
-    )  # of all panels, which share it; a label takes a fifth
+    # the axis of all panels, which share it; a label takes a fifth
+    grid[-1].set_xlim(0.0, max(130.0, 130.0 * fullest))
     grid[-1].set_xlabel("occupancy time rate, %; the thin line is the limit recommended by UIC 406")
     return figure
 

@@ -16,26 +16,11 @@ from numpy.typing import NDArray
 from network.model import Station
 from network.timetable import TimetableTrain
 from study.record.marks import Mark
+from study.report import style
 from study.report.data import ReportedRun
 from study.report.drill import draw_strip, falls_in_panel, mark_graph, mark_legend, strip_height_in
 from study.report.labels import Box, Number, laid_out, place_numbers
 from study.report.pictures import TRAIN_GRAPH, WAYS
-from study.report.style import (
-    DIRECTION_COLOUR,
-    INK,
-    PALE,
-    RED,
-    RULE,
-    WIDTH_IN,
-    TimeBand,
-    TimeGrid,
-    beside,
-    can_write_japanese,
-    dots,
-    draw_clock_axis,
-    spread,
-    time_bands,
-)
 
 Floats = NDArray[np.float64]
 
@@ -52,10 +37,10 @@ def draw_train_graph(run: ReportedRun, marks: Sequence[Mark] = ()) -> tuple[Figu
 
     The marks of a drill stand on the panels, and in a strip of rows under each.
     """
-    bands, grid = time_bands(*run.window_s)
+    bands, grid = style.time_bands(*run.window_s)
     shown = [[mark for mark in marks if falls_in_panel(mark, band)] for band in bands]
     heights_in = [h for part in shown for h in (_PANEL_IN, strip_height_in(part)) if h]
-    figure = Figure(figsize=(WIDTH_IN, sum(heights_in) + 0.2), layout="constrained")
+    figure = Figure(figsize=(style.WIDTH_IN, sum(heights_in) + 0.2), layout="constrained")
     panels = iter(figure.subplots(len(heights_in), 1, squeeze=False, height_ratios=heights_in)[:, 0])
     tips: dict[str, str] = {}
     graphs: list[Axes] = []
@@ -80,28 +65,30 @@ def draw_train_graph(run: ReportedRun, marks: Sequence[Mark] = ()) -> tuple[Figu
     return figure, tips
 
 
-def draw_frame(axes: Axes, run: ReportedRun, band: TimeBand, grid: TimeGrid) -> None:
+def draw_frame(axes: Axes, run: ReportedRun, band: style.TimeBand, grid: style.TimeGrid) -> None:
     """Axes with a line for every station; DOWN trains run downwards, as the Japanese graph is drawn."""
-    draw_clock_axis(axes, band, grid)
+    style.draw_clock_axis(axes, band, grid)
     low_m, high_m = run.extent_m
     margin_m = max(0.03 * (high_m - low_m), 20.0)
     axes.set_ylim(high_m + margin_m, low_m - margin_m)
     for station in run.stations:
-        axes.axhline(station.position_m, color=PALE, lw=0.4 if station.is_halt else 0.9, zorder=0.6)
+        axes.axhline(station.position_m, color=style.PALE, lw=0.4 if station.is_halt else 0.9, zorder=0.6)
     _draw_crossings(axes, run, _CROSSING_GAP_MIN * (high_m - low_m))
-    labels_m = spread([station.position_m for station in run.stations], _LABEL_GAP_MIN * (high_m - low_m))
+    labels_m = style.spread(
+        [station.position_m for station in run.stations], _LABEL_GAP_MIN * (high_m - low_m)
+    )
     axes.set_yticks([])
     for station, label_m in zip(run.stations, labels_m, strict=True):
-        beside(
+        style.beside(
             axes,
             f"{station_label(station)}  {station.position_m / 1000:.1f} km",
             (0.0, label_m),
             (-4, 0),
             7.5,
             xycoords=("axes fraction", "data"),
-            color="#666666" if station.is_halt else INK,
+            color="#666666" if station.is_halt else style.INK,
         )
-    axes.spines[:].set_color(RULE)
+    axes.spines[:].set_color(style.RULE)
 
 
 def _draw_crossings(axes: Axes, run: ReportedRun, room_m: float) -> None:
@@ -112,18 +99,18 @@ def _draw_crossings(axes: Axes, run: ReportedRun, room_m: float) -> None:
         axes.axhline(at_m, **layer.line(), zorder=0.6)
         if at_m - named_m >= room_m:
             where = ("axes fraction", "data")
-            beside(axes, crossing.name, (1.0, at_m), (-2, 0), 5.0, xycoords=where, color=layer.colour)
+            style.beside(axes, crossing.name, (1.0, at_m), (-2, 0), 5.0, xycoords=where, color=layer.colour)
             named_m = at_m
 
 
 def station_label(station: Station) -> str:
     """Romanised name, with the Japanese one where a font has it."""
     other = station.name_ja if station.name_ja != station.name else ""
-    japanese = f" {other}" if other and can_write_japanese() else ""
+    japanese = f" {other}" if other and style.can_write_japanese() else ""
     return f"{station.name}{japanese}"
 
 
-def _draw_plan(axes: Axes, run: ReportedRun, train: TimetableTrain, band: TimeBand) -> None:
+def _draw_plan(axes: Axes, run: ReportedRun, train: TimetableTrain, band: style.TimeBand) -> None:
     if not band.meets(train.calls[0].first_s, train.calls[-1].last_s):
         return
     t_s, at_m = _planned_course(run, train)
@@ -134,7 +121,7 @@ def _draw_plan(axes: Axes, run: ReportedRun, train: TimetableTrain, band: TimeBa
 
 
 def _draw_run(
-    axes: Axes, run: ReportedRun, number: str, course: pl.DataFrame, band: TimeBand, gid: str
+    axes: Axes, run: ReportedRun, number: str, course: pl.DataFrame, band: style.TimeBand, gid: str
 ) -> bool:
     """Draw what of the run falls in the panel; whether there was anything."""
     t_s, at_m = course["t_s"].to_numpy(), course["kilometrage_m"].to_numpy()
@@ -144,11 +131,11 @@ def _draw_run(
     axes.plot(t_s, at_m, **layer.line(), zorder=3, gid=gid)
     braked = course["intervention"].to_numpy() != 0
     began = np.flatnonzero(braked & ~np.concatenate(([False], braked[:-1])))
-    dots(axes, t_s[began], at_m[began], "x", 5, RED, mew=1.2, zorder=4)
+    style.dots(axes, t_s[began], at_m[began], "x", 5, style.RED, mew=1.2, zorder=4)
     return True
 
 
-def _draw_turns(axes: Axes, run: ReportedRun, band: TimeBand) -> None:
+def _draw_turns(axes: Axes, run: ReportedRun, band: style.TimeBand) -> None:
     """Thin dotted links from a unit's train to its next one at the same place (折返し)."""
     last: dict[str, tuple[float, float]] = {}
     for (unit, _), course in run.courses.items():
@@ -161,7 +148,7 @@ def _draw_turns(axes: Axes, run: ReportedRun, band: TimeBand) -> None:
         last[unit] = float(course["t_s"][-1]), float(course["kilometrage_m"][-1])
 
 
-def numbers_of(run: ReportedRun, band: TimeBand) -> list[Number]:
+def numbers_of(run: ReportedRun, band: style.TimeBand) -> list[Number]:
     """Each train's number beside its plan, or its run where it has no plan; none for what is hardly seen here."""
     numbers: list[Number] = []
     for number in run.trains:
@@ -181,7 +168,7 @@ def numbers_of(run: ReportedRun, band: TimeBand) -> list[Number]:
             for at_s in (from_s, to_s)
         ]
         course = np.array(corners, dtype=np.float64)
-        colour = DIRECTION_COLOUR[run.directions[number]]
+        colour = style.DIRECTION_COLOUR[run.directions[number]]
         numbers.append(Number(number, colour, course[:, 0], course[:, 1]))
     return numbers
 

@@ -110,9 +110,8 @@ def test_a_shell_is_told_what_may_follow(
 def test_the_script_for_a_shell_asks_by_the_name_that_is_answered(
     main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(
-        "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1"
-    )  # read as options are put together
+    # read as options are put together
+    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
     monkeypatch.setattr("branchline.cli.whole_command", whole_command.__wrapped__)
     shown = main("--show-completion", "bash")
     assert shown.code == 0

@@ -1,6 +1,8 @@
 """What the dispatcher's, the driver's and the instructor's seats do in a run, and that all of it replays."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
@@ -36,6 +38,15 @@ TEN: Final = 36_000
 MPS_PER_KMH: Final = 1.0 / 3.6
 
 
+@contextmanager
+def at_desk(scenario: Scenario, until_s: int = 0) -> Iterator[tuple[Session, Desk]]:
+    """A session that has run until then, and its desk."""
+    with Session(scenario, CarrierKind.PLAIN) as session:
+        desk = Desk(session)
+        session.run_to(until_s * STEPS_PER_S)
+        yield session, desk
+
+
 def replayed(session: Session, folder: Path) -> RunResult:
     file = folder / "saved.toml"
     file.write_text(session.drill_text("saved", "saved"), "utf-8")
@@ -54,9 +65,7 @@ def test_a_train_driven_by_hand_keeps_to_its_authority_and_replays(
     two_trains: Scenario, tmp_path: Path
 ) -> None:
     """Full power from the departure on, and nobody brakes: the unit does, and nothing is passed."""
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 30) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 30) as (session, desk):
         assert act(desk, Seat.DRIVER, "drive", "K1", target="K1", notch=9).good
         fastest_mps = 0.0
         slot = session.simulation.trains.slot_of["K1"]
@@ -77,9 +86,7 @@ def test_a_train_driven_by_hand_keeps_to_its_authority_and_replays(
 
 
 def test_a_driver_who_does_not_take_power_does_not_leave(two_trains: Scenario) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 30) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 30) as (session, desk):
         desk.cabs = frozenset({"K1"})
         act(desk, Seat.DRIVER, "drive", "K1", target="K1", notch=0)
         session.run_to((TEN + 60) * STEPS_PER_S)
@@ -92,8 +99,7 @@ def test_a_driver_who_does_not_take_power_does_not_leave(two_trains: Scenario) -
 
 
 def test_a_driver_sees_and_moves_no_other_train(two_trains: Scenario) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
+    with at_desk(two_trains) as (session, desk):
         desk.cabs = frozenset({"K1"})
         refused = act(desk, Seat.DRIVER, "drive", "K1", target="K2", notch=5)
         assert not refused.good and "whose cab" in refused.why
@@ -108,9 +114,7 @@ def test_a_driver_sees_and_moves_no_other_train(two_trains: Scenario) -> None:
 def test_a_train_held_by_the_dispatcher_leaves_later_by_that_and_it_replays(
     two_trains: Scenario, tmp_path: Path
 ) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 400) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 400) as (session, desk):
         assert act(desk, Seat.DISPATCHER, "hold_train", target="K1", hold_s=520.0).good
         session.run_to((TEN - 300) * STEPS_PER_S)
         assert [bid.unit for bid in desk.moment.known.bids] == ["K1"]
@@ -124,9 +128,7 @@ def test_a_train_held_by_the_dispatcher_leaves_later_by_that_and_it_replays(
 
 
 def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_trains: Scenario) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 100) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 100) as (session, desk):
         wrong = act(desk, Seat.DISPATCHER, "hold_train", target="K1", behind="K2")
         assert not wrong.good and "over which section" in wrong.why
         assert act(desk, Seat.DISPATCHER, "bar_unit", target="K2").good  # waits for a second person
@@ -142,9 +144,7 @@ def test_what_a_dispatcher_gets_wrong_is_said_in_both_languages_and_counted(two_
 def test_armed_changed_and_told_by_the_instructor_alone_and_it_replays(
     two_trains: Scenario, tmp_path: Path
 ) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 200) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 200) as (session, desk):
         fault = {"kind": "power_off", "target": "block-manager", "start": "10:00:20", "duration_s": 30.0}
         arm = ArmScript(faults=(fault,))
         assert not ask(desk, arm, Seat.DISPATCHER).good
@@ -167,9 +167,7 @@ def test_armed_changed_and_told_by_the_instructor_alone_and_it_replays(
 
 
 def test_a_fault_goes_on_with_other_figures(two_trains: Scenario, tmp_path: Path) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 100) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 100) as (session, desk):
         loss = {"kind": "loss", "target": "K1 <-> block-manager", "p": 0.2}
         begun = ask(desk, Fail(fault=loss))
         assert begun.good and begun.deed is not None, begun.why
@@ -184,9 +182,7 @@ def test_a_fault_goes_on_with_other_figures(two_trains: Scenario, tmp_path: Path
 
 
 def test_a_fault_with_other_figures_is_over_when_it_would_have_been(two_trains: Scenario) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 100) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 100) as (session, desk):
         loss = {"kind": "loss", "target": "K1 <-> block-manager", "p": 0.2, "duration_s": 60.0}
         begun = ask(desk, Fail(fault=loss)).deed
         session.run_to((TEN - 80) * STEPS_PER_S)
@@ -234,9 +230,7 @@ def test_nobody_has_recovered_while_a_train_stands_and_what_it_loses_grows(tmp_p
 
 def test_nobody_has_recovered_while_the_register_is_not_whole_again(two_trains: Scenario) -> None:
     """A fault of five seconds while the block manager has no power for a minute, long before any train leaves."""
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 400) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 400) as (session, desk):
         ask(desk, Fail(fault={"kind": "power_off", "target": "block-manager", "duration_s": 60.0}))
         session.run_to((TEN - 390) * STEPS_PER_S)
         ask(desk, Fail(fault={"kind": "clock", "target": "K1", "duration_s": 5.0}))
@@ -261,9 +255,7 @@ def test_a_fault_of_the_drill_that_is_served_is_in_its_protocol() -> None:
 
 def test_what_was_refused_and_said_is_undone_with_the_rest(two_trains: Scenario) -> None:
     """Otherwise somebody would have acted on a fault who, as the run now is, has not."""
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 200) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 200) as (session, desk):
         ask(desk, Fail(fault={"kind": "power_off", "target": "block-manager"}))
         session.run_to((TEN - 150) * STEPS_PER_S)
         assert not act(desk, Seat.DISPATCHER, "hold_train", target="K9").good
@@ -277,8 +269,7 @@ def test_what_was_refused_and_said_is_undone_with_the_rest(two_trains: Scenario)
 
 def test_where_nothing_was_done_there_is_no_drill_to_save(two_trains: Scenario) -> None:
     """`branchline drill` refuses a file in which nothing fails and nobody acts."""
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
+    with at_desk(two_trains) as (_, desk):
         nothing = ask(desk, SaveDrill(id="saved"))
         assert not nothing.good and "something that was done" in nothing.why
         act(desk, Seat.DISPATCHER, "hold_train", target="K1")
@@ -288,9 +279,7 @@ def test_where_nothing_was_done_there_is_no_drill_to_save(two_trains: Scenario) 
 def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is_not(
     two_trains: Scenario,
 ) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
-        session.run_to((TEN - 200) * STEPS_PER_S)
+    with at_desk(two_trains, TEN - 200) as (session, desk):
         fault = {"kind": "power_off", "target": "block-manager", "start": "10:00:20", "duration_s": 30.0}
         ask(desk, ArmScript(faults=(fault,)))
         session.run_to((TEN - 100) * STEPS_PER_S)
@@ -304,8 +293,7 @@ def test_what_was_armed_before_is_kept_when_one_goes_back_and_what_came_later_is
 
 
 def test_a_forecast_is_sent_when_it_is_another(two_trains: Scenario) -> None:
-    with Session(two_trains, CarrierKind.PLAIN) as session:
-        desk = Desk(session)
+    with at_desk(two_trains) as (session, desk):
         first, had = state_for(desk.moment, Seat.DISPATCHER, SentSoFar())
         again, had = state_for(desk.moment, Seat.DISPATCHER, had)
         session.run_to(session.step + 60 * STEPS_PER_S)

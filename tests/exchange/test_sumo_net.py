@@ -69,10 +69,8 @@ def test_a_small_net_is_as_drawn(tmp_path: Path) -> None:
     assert (points.stem, points.normal, points.reverse, points.side) == ("s", "l", "b", TurnoutSide.LEFT)
     (station,) = layout.stations
     assert (station.name, station.position_m) == ("West", pytest.approx(1040.0))
-    assert [s.offset_m for s in station.spots] == [
-        60.0,
-        20.0,
-    ]  # 80 m along the way back is 20 m from the west
+    # 80 m along the way back is 20 m from the west
+    assert [s.offset_m for s in station.spots] == [60.0, 20.0]
     assert layout.km_of("l", 80.0) == pytest.approx(1180.0)
     assert "1 edge without a way back: a track all the same" in layout.assumed
     assert "1 edge for other traffic than trains" in layout.left

@@ -21,9 +21,10 @@ LINES = {name: load_line(shipped_line(name)) for name in shipped_names("lines")}
 identifiers = st.text(string.ascii_letters + string.digits, min_size=1, max_size=8).map(
     lambda text: f"x{text}"
 )
-any_text = st.text(st.characters(exclude_categories=("Cs", "Cc")), max_size=30)
+UNSEEN = ("Cs", "Cc", "Cf", "Zl", "Zp")  # what no title has, by Unicode's category
+any_text = st.text(st.characters(exclude_categories=UNSEEN, include_characters="\u200c\u200d"), max_size=30)
 raw_text = st.text(st.characters(exclude_categories=("Cs",)) | st.sampled_from('\x7f\x00\r"'), max_size=12)
-prose = st.text(st.characters(exclude_categories=("Cs", "Cc"), include_characters="\n\t"), max_size=30)
+prose = st.text(st.characters(exclude_categories=UNSEEN, include_characters="\n\t"), max_size=30)
 times = st.integers(0, 30 * 3600 - 1).map(time_text)
 calls = st.builds(
     CallTable.model_construct,

@@ -42,6 +42,7 @@ from onboard.unit import Report
 from radio.envelope import AGE_MAX_S
 from radio.keys import key_ring
 from tests.host.exclusion_trains import CONFIG, MASTER, PLANS, SECTIONS, UNITS, Train, Where
+from wayside import said
 from wayside.config import (
     MANAGER_ID,
     DeviceConfig,
@@ -49,21 +50,6 @@ from wayside.config import (
     TerminalConfig,
 )
 from wayside.register import ReentryStage
-from wayside.said import (
-    Accepted,
-    AcceptPicture,
-    BoundaryPassed,
-    ConfirmedByHand,
-    ConfirmHolding,
-    ConfirmOutside,
-    EnterSection,
-    Granted,
-    Input,
-    Note,
-    Outside,
-    PictureChanged,
-    Started,
-)
 
 HOLD_S: Final = 5.0  # a route set back is not asked for again before
 
@@ -86,10 +72,10 @@ class World:
         self.units = {unit_id: Train(unit_id, release) for unit_id in UNITS}
         self.flying: list[tuple[str, bytes, float]] = []
         self.silent: set[str] = set()  # no telegram comes from or to these
-        self.notes: list[Note] = []
+        self.notes: list[said.Note] = []
         self.host: DeviceHost
         self.boot_manager()
-        self.manage(inputs=[ConfirmOutside(unit_id, "Sato") for unit_id in ("u1", "u3")])
+        self.manage(inputs=[said.ConfirmOutside(unit_id, "Sato") for unit_id in ("u1", "u3")])
         u2 = self.units["u2"]
         u2.where, u2.plan, u2.known = Where.ON_LINE, PLANS["from E"], True
         self.tell(u2, Begin(u2.plan, signs_on=True))
@@ -107,7 +93,7 @@ class World:
         self.host = DeviceHost(config, ring, self.store)
         self.manage()
 
-    def manage(self, telegrams: Sequence[bytes] = (), inputs: Sequence[Input] = ()) -> None:
+    def manage(self, telegrams: Sequence[bytes] = (), inputs: Sequence[said.Input] = ()) -> None:
         advance = self.host.advance(self.now_s, telegrams, inputs)
         self.flying += [
             (destination, data, self.now_s)
@@ -116,17 +102,17 @@ class World:
         ]
         self.judge(advance.notes)
 
-    def judge(self, notes: tuple[Note, ...]) -> None:
+    def judge(self, notes: tuple[said.Note, ...]) -> None:
         """Judged by the journal alone: nothing granted while undefined, tokens grow."""
         for note in notes:
-            if isinstance(note, Started):
+            if isinstance(note, said.Started):
                 self.known: set[str] = set()
                 self.restoring = note.epoch > 1
-            if isinstance(note, PictureChanged):
+            if isinstance(note, said.PictureChanged):
                 self.restoring = note.stage != ReentryStage.DEFINED.value
-            if isinstance(note, Accepted | Outside | ConfirmedByHand):
+            if isinstance(note, said.Accepted | said.Outside | said.ConfirmedByHand):
                 self.known.add(note.unit_id)
-            if isinstance(note, Granted):
+            if isinstance(note, said.Granted):
                 assert self.known == set(UNITS)
                 assert not self.restoring
         self.notes += notes
@@ -169,7 +155,7 @@ class World:
         """Out of its portal, if its unit was told that it may: the contact at the boundary counts it out."""
         if train.where is Where.LEAVING and train.may_leave:
             train.where, train.finished, train.may_leave = Where.OUTSIDE, False, False
-            self.manage(inputs=[BoundaryPassed("P9")] if self.contact else [])
+            self.manage(inputs=[said.BoundaryPassed("P9")] if self.contact else [])
             self.tell(train, OffTheLine())
 
     def next_train(self, unit_id: str, to: str) -> None:
@@ -336,15 +322,17 @@ class World:
     def confirm_by_hand(self, unit_id: str, person: str = "Mori") -> None:
         """A true word about one train: where it stands, or that it is off the line by P9, as all that left it."""
         believed = tuple(sorted(self.units[unit_id].believed))
-        entry: Input = (
-            ConfirmHolding(unit_id, believed, person) if believed else ConfirmOutside(unit_id, person, "P9")
+        entry: said.Input = (
+            said.ConfirmHolding(unit_id, believed, person)
+            if believed
+            else said.ConfirmOutside(unit_id, person, "P9")
         )
         self.manage(inputs=[entry])
 
     def enter_every_section(self) -> None:
         """Sato corrects everything that was entered wrongly: a true word about every section."""
         holder = {section: train.unit_id for train in self.units.values() for section in train.believed}
-        self.manage(inputs=[EnterSection(section, holder.get(section), "Sato") for section in SECTIONS])
+        self.manage(inputs=[said.EnterSection(section, holder.get(section), "Sato") for section in SECTIONS])
 
     def restore(self) -> None:
         """What a careful controller and the staff do together."""
@@ -353,7 +341,7 @@ class World:
             if not train.knows or unit_id in self.silent:
                 self.confirm_by_hand(unit_id)
                 self.confirm_by_hand(unit_id, "Sato")
-        self.manage(inputs=[AcceptPicture("Sato")])
+        self.manage(inputs=[said.AcceptPicture("Sato")])
 
     def heal(self) -> None:
         """Faults end, telegrams arrive, and the persons enter what the trains cannot say."""
@@ -380,7 +368,7 @@ class World:
         assert all(train.physical <= train.believed for train in trains), (
             "a train stands where it holds nothing"
         )
-        tokens = [note.token for note in self.notes if isinstance(note, Granted)]
+        tokens = [note.token for note in self.notes if isinstance(note, said.Granted)]
         assert all(one < other for one, other in pairwise(tokens)), "tokens must grow"
 
     def check_that_all_goes_on(self) -> None:

@@ -30,28 +30,11 @@ from radio.noted import Noted, TelegramDropped
 from tests.host.exclusion_bench import World
 from tests.host.exclusion_trains import SECTIONS, UNITS, Where
 from tests.nightly import others_nightly
+from wayside import said
 from wayside.config import (
     ReentryMode,
 )
 from wayside.register import Register
-from wayside.said import (
-    AcceptPicture,
-    ConfirmedByHand,
-    ConfirmHolding,
-    ConfirmOutside,
-    Contradicted,
-    EnterSection,
-    Freed,
-    Granted,
-    Input,
-    Outside,
-    Started,
-    Swept,
-    TakeBack,
-    TakenBack,
-    ToBeSwept,
-    WordTaken,
-)
 
 SEEDS: Final = 16
 SLICE: Final = 2  # of them in every run
@@ -60,11 +43,13 @@ units = st.sampled_from(UNITS)
 goals = st.sampled_from(["E", "E2"])
 sections = st.sampled_from(SECTIONS)
 wrong_entries = st.one_of(
-    st.builds(EnterSection, sections, st.none() | units, st.just("Sato")),
-    st.builds(ConfirmHolding, units, st.lists(sections, min_size=1, unique=True).map(tuple), st.just("Sato")),
-    st.builds(ConfirmOutside, units, st.just("Sato"), st.sampled_from(("", "P0", "P9"))),
-    st.builds(TakeBack, units, st.just("Sato")),
-    st.just(AcceptPicture("Sato")),
+    st.builds(said.EnterSection, sections, st.none() | units, st.just("Sato")),
+    st.builds(
+        said.ConfirmHolding, units, st.lists(sections, min_size=1, unique=True).map(tuple), st.just("Sato")
+    ),
+    st.builds(said.ConfirmOutside, units, st.just("Sato"), st.sampled_from(("", "P0", "P9"))),
+    st.builds(said.TakeBack, units, st.just("Sato")),
+    st.just(said.AcceptPicture("Sato")),
 )
 seldom = st.sampled_from([False, False, True])
 
@@ -133,7 +118,7 @@ class Exclusion(RuleBasedStateMachine):
         self.world.confirm_by_hand(unit_id)
 
     @rule(entry=wrong_entries)
-    def enter_anything(self, entry: Input) -> None:
+    def enter_anything(self, entry: said.Input) -> None:
         self.world.manage(inputs=[entry])
 
     @rule(unit_id=units)
@@ -179,7 +164,7 @@ class Walker:
                 (0.5, lambda: world.set_back(unit_id)),
                 (0.5, lambda: world.confirm_by_hand(unit_id)),
                 (0.5, lambda: world.manage(inputs=[self.anything()])),
-                (0.2, lambda: world.manage(inputs=[AcceptPicture("Sato")])),
+                (0.2, lambda: world.manage(inputs=[said.AcceptPicture("Sato")])),
                 (0.4, world.restore),
                 (0.6, lambda: world.locate(unit_id)),
                 (0.2, lambda: world.lose_position(unit_id)),
@@ -202,7 +187,7 @@ class Walker:
                 (0.3, lambda: world.set_back(unit_id)),
                 (1.0, lambda: world.confirm_by_hand(unit_id)),
                 (3.0, lambda: world.manage(inputs=[self.anything()])),
-                (2.0, lambda: world.manage(inputs=[AcceptPicture("Sato")])),
+                (2.0, lambda: world.manage(inputs=[said.AcceptPicture("Sato")])),
                 (0.7, world.restore),
                 (0.3, world.enter_every_section),
                 (0.7, world.flush),
@@ -218,16 +203,16 @@ class Walker:
         deed()
         self.world.check()
 
-    def anything(self) -> Input:
+    def anything(self) -> said.Input:
         """What Sato enters: mostly wrong."""
         chance = self.chance
         unit_id = chance.choice(UNITS)
         some = tuple(chance.sample(SECTIONS, chance.randint(1, 3)))
-        wrong: list[Input] = [
-            EnterSection(some[0], chance.choice([None, unit_id]), "Sato"),
-            ConfirmHolding(unit_id, some, "Sato"),
-            ConfirmOutside(unit_id, "Sato", chance.choice(["", "P0", "P9"])),
-            TakeBack(unit_id, "Sato"),
+        wrong: list[said.Input] = [
+            said.EnterSection(some[0], chance.choice([None, unit_id]), "Sato"),
+            said.ConfirmHolding(unit_id, some, "Sato"),
+            said.ConfirmOutside(unit_id, "Sato", chance.choice(["", "P0", "P9"])),
+            said.TakeBack(unit_id, "Sato"),
         ]
         return chance.choice(wrong)
 
@@ -263,12 +248,12 @@ def test_walks_grant_run_and_disturb_enough(mode: ReentryMode) -> None:
         notes = walker.world.notes
         kinds.update(type(note) for note in notes)
         kinds.update(type(note) for train in walker.world.units.values() for note in train.notes)
-        granted_again += sum(isinstance(note, Granted) and note.token >> 32 > 1 for note in notes)
+        granted_again += sum(isinstance(note, said.Granted) and note.token >> 32 > 1 for note in notes)
     enough = {
-        **dict.fromkeys((Granted, Freed, TelegramDropped, Started, RouteHeld), 20),
-        **dict.fromkeys((ConfirmedByHand, WordTaken, Contradicted), 20),
+        **dict.fromkeys((said.Granted, said.Freed, TelegramDropped, said.Started, RouteHeld), 20),
+        **dict.fromkeys((said.ConfirmedByHand, said.WordTaken, said.Contradicted), 20),
         **dict.fromkeys((UnitRestarted, GaveBack, Resumed, UnitSignedOff), 5),
-        **dict.fromkeys((TakenBack, ToBeSwept, Swept, Mismatch, Agreed), 5),
+        **dict.fromkeys((said.TakenBack, said.ToBeSwept, said.Swept, Mismatch, Agreed), 5),
     }
     assert granted_again > 10
     assert {kind: kinds[kind] for kind, count in enough.items() if kinds[kind] < count} == {}
@@ -344,7 +329,7 @@ def test_a_claim_of_nothing_accepted_opens_no_portal() -> None:
     world.boot_manager()
     world.next_train("u3", "E")
     world.flush()
-    assert any(isinstance(note, Outside) and note.unit_id == "u3" for note in world.notes)
+    assert any(isinstance(note, said.Outside) and note.unit_id == "u3" for note in world.notes)
     assert u3.where is Where.WAITING
     for _ in range(3):
         world.restore()

@@ -113,14 +113,10 @@ def stops_below_supervision(board: BoardRow, own: Doubted, before_m: float) -> N
 @pytest.mark.parametrize(
     ("own", "limit_mps"),
     [
-        (
-            Doubted(0.2, speed_mps=8.0, bound_m=12.9),
-            1.9,
-        ),  # its curve falls by 0.4 m/s from one row to the next
-        (
-            Doubted(0.25, 0.0, 16.9, 0.2, 6.9, 18.0, weak=True),
-            10.1,
-        ),  # its motors pull on while the brake is asked for
+        # its curve falls by 0.4 m/s from one row to the next
+        (Doubted(0.2, speed_mps=8.0, bound_m=12.9), 1.9),
+        # its motors pull on while the brake is asked for
+        (Doubted(0.25, 0.0, 16.9, 0.2, 6.9, 18.0, weak=True), 10.1),
         (Doubted(0.2), 8.0),
     ],
 )
@@ -133,17 +129,13 @@ def test_supervision_has_nothing_to_do_before_a_lower_limit(
 @pytest.mark.parametrize(
     ("own", "before_m"),
     [
-        (
-            Doubted(0.0, weak=True),
-            5.0,
-        ),  # wheels as they show, but the pattern is above the weak brake's curve
+        # wheels as they show, but the pattern is above the weak brake's curve
+        (Doubted(0.0, weak=True), 5.0),
         (Doubted(0.2), 5.0),
         (Doubted(0.2), 40.0),
         (Doubted(0.2, permille=-25.0), 5.0),
-        (
-            Doubted(0.25, permille=17.0, bound_m=50.0, weak=True),
-            5.0,
-        ),  # at the end the emergency brake is first
+        # at the end the emergency brake is first
+        (Doubted(0.25, permille=17.0, bound_m=50.0, weak=True), 5.0),
         (Doubted(0.2, share=-1.0), 40.0),
     ],
 )

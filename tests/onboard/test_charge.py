@@ -208,9 +208,8 @@ def test_with_too_little_when_its_time_has_come_it_charges_until_its_way_is_free
     assert gauge.asked[-1] == (pytest.approx(needed_j), math.inf)  # it may stay up for as long as it takes
     gauge.has += 2.0 * KWH
     why = own.why_not(down, 1)
-    assert (
-        why is not None and why.connected and not why.stays_up
-    )  # nothing to spare: no route is held for that
+    # nothing to spare: no route is held for that
+    assert why is not None and why.connected and not why.stays_up
     gauge.ready = True
     why = own.why_not(down, 1)
     assert why is not None and why.connected and why.stays_up

@@ -182,9 +182,8 @@ def test_a_tag_passed_after_a_start_is_a_tag(motion: UnitMotion) -> None:
     motion.row.odometer_m, motion.row.position_m = 500.0, 309.9
     motion.events(EVENT_STOPPED)
     motion.row.position_m, motion.row.odometer_m = 310.0, 500.1
-    assert motion.tag_read(602, 500.1) == [
-        TagBelieved(4, found=False)
-    ]  # the tick has yet to report the start
+    # the tick has yet to report the start
+    assert motion.tag_read(602, 500.1) == [TagBelieved(4, found=False)]
     motion.events(EVENT_STOPPED)
     motion.events(EVENT_MOVING)
     assert motion.tag_read(602, 500.1) == [TagBelieved(4, found=False)]

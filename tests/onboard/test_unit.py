@@ -36,23 +36,7 @@ from onboard.records import (
 from onboard.unit import OnboardUnit
 from onboard.unit_records import UnitParameters
 from onboard.vehicle import VehicleInputs
-from radio.messages import (
-    Claim,
-    ClaimQuery,
-    HoldingConfirmed,
-    HoldingReport,
-    OrderRefusalReason,
-    OrderRefused,
-    PointsCommand,
-    RefusalReason,
-    RouteRefused,
-    RouteRequest,
-    SignOff,
-    SignOffAccepted,
-    SignOn,
-    SignOnAccepted,
-    TrackOrdered,
-)
+from radio import messages
 from tests.onboard.unit_bench import (
     DEPARTURE_S,
     LEAD_S,
@@ -114,12 +98,12 @@ def test_a_clock_that_is_set_back_leaves_no_request_waiting(granted: Bench) -> N
     assert granted.said == []
     assert granted.wake_at_s == pytest.approx(granted.now_s + repeat_s - 0.5)
     granted.at(granted.wake_at_s or 0.0)
-    assert [type(message) for message in granted.said] == [PointsCommand]
+    assert [type(message) for message in granted.said] == [messages.PointsCommand]
 
 
 def test_a_refused_train_says_what_it_waits_for(bench: Bench) -> None:
     bench.at(DEPARTURE_S - LEAD_S)
-    bench.hear(MANAGER, RouteRefused("3>8", RefusalReason.HELD, "6", "K2"))
+    bench.hear(MANAGER, messages.RouteRefused("3>8", messages.RefusalReason.HELD, "6", "K2"))
     assert bench.waits_for == "route 3>8: held: section 6 of K2"
     bench.at(DEPARTURE_S + 100.0)
     assert bench.phase is DutyPhase.STANDING
@@ -130,13 +114,13 @@ def test_arrival_report_and_end_of_the_mission(cleared_to_b: Bench) -> None:
     assert cleared_to_b.held == ("3", *SECTIONS)
     cleared_to_b.read(801)  # (1) of figure 3: what is behind is given back, once
     assert cleared_to_b.held == ("8",)
-    assert cleared_to_b.said == [HoldingReport(("8",), TOKEN)]
+    assert cleared_to_b.said == [messages.HoldingReport(("8",), TOKEN)]
     for tag_id in (802, 803):
         cleared_to_b.read(tag_id)
     cleared_to_b.stop(MARK_B_M + 0.1)
     assert "arrived" in cleared_to_b.notes
     assert cleared_to_b.phase is DutyPhase.STANDING  # until the release is confirmed
-    cleared_to_b.hear(MANAGER, HoldingConfirmed(("8",), TOKEN))
+    cleared_to_b.hear(MANAGER, messages.HoldingConfirmed(("8",), TOKEN))
     assert cleared_to_b.told == (Finished("T1"),)
     assert cleared_to_b.phase is DutyPhase.FINISHED
     assert cleared_to_b.row.mode == MODE_HOLD
@@ -156,9 +140,9 @@ def test_stopping_off_the_mark(cleared_to_b: Bench, beyond_m: float, what: str, 
 def test_signing_off(at_b: Bench) -> None:
     assert at_b.told == (Finished("T1"),)
     at_b.tell([Leave()])
-    assert at_b.said == [SignOff(UNIT, TOKEN)]
+    assert at_b.said == [messages.SignOff(UNIT, TOKEN)]
     assert at_b.phase is DutyPhase.SIGNING_OFF
-    at_b.hear(MANAGER, SignOffAccepted())
+    at_b.hear(MANAGER, messages.SignOffAccepted())
     assert at_b.told == (LeftLine("T1"),)
     assert at_b.phase is DutyPhase.LEAVING
     assert at_b.held == ("8",), "its train stands there"
@@ -169,11 +153,11 @@ def test_signing_off(at_b: Bench) -> None:
 
 def test_booted_off_the_line_it_answers_a_manager_that_speaks_to_its_earlier_boot(at_b: Bench) -> None:
     at_b.unit = at_b.boot(2)
-    at_b.hear(MANAGER, ClaimQuery())
+    at_b.hear(MANAGER, messages.ClaimQuery())
     assert (at_b.notes, at_b.said) == (["telegram_dropped"], []), "it may be on the line"
     at_b.tell([OffTheLine()])
-    at_b.hear(MANAGER, ClaimQuery())
-    assert (at_b.notes, at_b.said) == (["telegram_dropped", "claimed"], [Claim((), 0)])
+    at_b.hear(MANAGER, messages.ClaimQuery())
+    assert (at_b.notes, at_b.said) == (["telegram_dropped", "claimed"], [messages.Claim((), 0)])
     at_b.hear("A-E", proof("P5"))
     assert (at_b.notes, at_b.said) == (["telegram_dropped"], [])
 
@@ -198,8 +182,8 @@ def tag_passed(cleared_to_b: Bench) -> Bench:
     bench = cleared_to_b
     bench.unit.state = msgspec.structs.replace(bench.unit.state, proved=4, freed=4)
     bench.ticked(EVENT_POSITION)
-    assert bench.said == [HoldingReport(("6", "7", "8"), TOKEN)]
-    bench.hear(MANAGER, HoldingConfirmed(("6", "7", "8"), TOKEN))
+    assert bench.said == [messages.HoldingReport(("6", "7", "8"), TOKEN)]
+    bench.hear(MANAGER, messages.HoldingConfirmed(("6", "7", "8"), TOKEN))
     return bench
 
 
@@ -214,7 +198,7 @@ def check_given_back_by_the_safe_rear(bench: Bench) -> None:
     assert bench.said == []
     row.bound_behind_m = 1.9
     bench.ticked(EVENT_SAFE_REAR)
-    assert bench.said == [HoldingReport(("7", "8"), TOKEN)]
+    assert bench.said == [messages.HoldingReport(("7", "8"), TOKEN)]
     assert row.rear_trigger_m > 580.0
 
 
@@ -257,7 +241,7 @@ def test_at_its_mark_a_train_gives_back_without_the_margin(tag_passed: Bench) ->
 
 def test_a_withdrawn_proof_draws_the_limit_back_and_is_asked_for_again(cleared_to_b: Bench) -> None:
     cleared_to_b.hear("B-W", proof("P7", None))
-    assert cleared_to_b.said == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+    assert cleared_to_b.said == [messages.PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
     assert cleared_to_b.row.stop_limit_m == pytest.approx(520.0)
     assert cleared_to_b.row.target_stop_m < 520.0
     cleared_to_b.hear("B-W", proof("P7"))
@@ -386,17 +370,17 @@ def test_switched_on_again_it_knows_nothing_and_stands_braked(running: Bench) ->
     running.motion.switch_on(running.mission, running.path, 0.0, 0.0)
     running.row.speed_mps = 0.0
     running.tell([SwitchedOn(running.plan, None)])
-    assert running.said == [SignOn(UNIT, None)]
+    assert running.said == [messages.SignOn(UNIT, None)]
     assert running.row.position_known == 0
     assert (running.row.intervention, running.row.mode) == (EMERGENCY_INTERVENTION, MODE_HOLD)
     assert running.row.restricted_mps == pytest.approx(15.0 / 3.6)
-    running.hear(MANAGER, SignOnAccepted(("6", "7", "8"), TOKEN, None, capabilities()[1:]))
+    running.hear(MANAGER, messages.SignOnAccepted(("6", "7", "8"), TOKEN, None, capabilities()[1:]))
     assert running.phase is DutyPhase.ON_SIGHT
     running.read(602)
     assert running.phase is DutyPhase.RUNNING
     assert running.row.restricted_mps == math.inf
     assert running.held == ("6", "7", "8")
-    assert running.commanded == [PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
+    assert running.commanded == [messages.PointsCommand("P7", Position.NORMAL, "7", TOKEN, b"seven")]
 
 
 @pytest.mark.parametrize("phase", DutyPhase)
@@ -424,14 +408,14 @@ def test_what_is_due_out_of_reach_goes_out_where_the_radio_begins_again(
     assert bench.row.position_trigger_m == pytest.approx(141.0)  # km 0.5, and a metre
     bench.row.position_m = 141.0
     bench.ticked(EVENT_POSITION)
-    assert bench.said == [SignOn(UNIT, ("3",))]
+    assert bench.said == [messages.SignOn(UNIT, ("3",))]
     assert bench.wake_at_s == pytest.approx(bench.now_s + 2.0)
 
 
 def test_timers_run_out_in_the_order_of_their_times(bench: Bench) -> None:
     """Asked late, it asks for its route first and only then finds that its time has come."""
     bench.at(DEPARTURE_S + 10.0)
-    assert bench.said == [RouteRequest(UNIT, "3>8", SECTIONS, 10)]
+    assert bench.said == [messages.RouteRequest(UNIT, "3>8", SECTIONS, 10)]
     assert bench.unit.state.may_leave
     assert bench.wake_at_s == pytest.approx(bench.now_s + 2.0)
 
@@ -464,8 +448,8 @@ def test_a_way_that_was_not_ordered_is_not_taken_up(running: Bench) -> None:
 def test_ordered_to_another_track_it_has_its_driver_take_up_that_way(bench: Bench) -> None:
     bench.at(DEPARTURE_S - LEAD_S)
     (request,) = bench.said
-    assert isinstance(request, RouteRequest)
-    bench.hear(MANAGER, TrackOrdered(request.route_id, "3>9"))
+    assert isinstance(request, messages.RouteRequest)
+    bench.hear(MANAGER, messages.TrackOrdered(request.route_id, "3>9"))
     assert bench.told == (WayOrdered("3>8", "3>9"),)
     bench.tell([TakeUpWay(bench.plan)])  # that is the way it has already
-    assert bench.said == [OrderRefused("3>8", OrderRefusalReason.UNKNOWN_TRACK)]
+    assert bench.said == [messages.OrderRefused("3>8", messages.OrderRefusalReason.UNKNOWN_TRACK)]

@@ -19,9 +19,8 @@ GAIN_PER_S = 0.6
 @pytest.mark.parametrize("gradient_permille", [-10.0, 0.0, 10.0])
 def test_without_errors_the_train_stops_at_the_mark(speed_kmh: float, gradient_permille: float) -> None:
     stop = plain_stop(speed_kmh)
-    stop["start_m"] = 40.0 + (speed_kmh / 3.6) ** 2 / (
-        2.0 * PATTERN_MPS2
-    )  # uphill a long run up would end before it
+    # uphill a long run up would end before it
+    stop["start_m"] = 40.0 + (speed_kmh / 3.6) ** 2 / (2.0 * PATTERN_MPS2)
     stop["gradient_permille"] = gradient_permille
     stop["gradient_believed_permille"] = gradient_permille
     result, _ = controller(GAIN_PER_S).single_stop(stop)

@@ -64,9 +64,8 @@ def test_what_any_law_needs_is_the_weakest_brake_fully_asked_for() -> None:
     speeds = np.array([5.0, 15.0])
     lost_m = speeds * (RANGES["dead_time"].high + RANGES["lag"].high) - WINDOW_M
     brake_mps2 = 0.93 * RANGES["brake"].low
-    rail_mps2 = (
-        0.245 / (1.0 + 0.030 * 15.0) * RANGES["adhesion"].low * 9.81
-    )  # oda_train: least at the beginning
+    # oda_train: least at the beginning
+    rail_mps2 = 0.245 / (1.0 + 0.030 * 15.0) * RANGES["adhesion"].low * 9.81
     slow_m, fast_m = outer_distances_m(speeds)
     assert slow_m == pytest.approx(lost_m[0] + 5.0**2 / (2.0 * brake_mps2), rel=0.03)
     assert lost_m[1] + 15.0**2 / (2.0 * brake_mps2) < fast_m < lost_m[1] + 15.0**2 / (2.0 * rail_mps2)

@@ -140,9 +140,8 @@ def test_what_is_saved_hangs_on_the_stop_of_each_law_and_the_row_says_so(
     assert (
         saved_percent(0.8, 0.8, 700.0)[0] < shared < saved_percent(0.8, 0.8, 1100.0)[0] < PAPER_SAVES_PERCENT
     )
-    assert np.isnan(
-        saved_percent(0.8, 0.8, 2000.0)[0]
-    )  # fuzzy stops 8 m past the mark: no hop of the paper's
+    # fuzzy stops 8 m past the mark: no hop of the paper's
+    assert np.isnan(saved_percent(0.8, 0.8, 2000.0)[0])
     told = rows["the same by the stop's deceleration at level, 85 s, %"].ours
     assert isinstance(told, dict)
     assert told["PID 0.7, fuzzy 0.8 m/s^2"].startswith(f"{own:g}, net")

@@ -64,9 +64,8 @@ def test_hoshakuji_has_one_track_for_both_ways(rules: Rules) -> None:
         assert out.start is not None
         held.append(out.start.end_s - begin_s)
     assert found.interval_s is not None
-    assert (
-        sum(held) <= found.interval_s <= math.ceil(sum(held)) + 1
-    )  # two differences, each up to a whole second
+    # two differences, each up to a whole second
+    assert sum(held) <= found.interval_s <= math.ceil(sum(held)) + 1
     assert found.in_tenths_s == pytest.approx(sum(held), abs=0.2)
     assert found.least_waits
     assert recounted(setup, rules, found.proof) == []

@@ -148,9 +148,8 @@ def test_all_entries_at_once(tmp_path: Path) -> None:
         tmp_path, '[patch.line.set]\n"sections.6.virtual_blocks" = 2\n', "rtri_test_line", "two.toml"
     )
     more = patched(tmp_path, '[patch.line.times]\n"sections.6.virtual_blocks" = 2\n', "two.toml", "four.toml")
-    assert (
-        len(more.setup.line.sections) == len(blocks.setup.line.sections) + 2
-    )  # a number of pieces stays whole
+    # a number of pieces stays whole
+    assert len(more.setup.line.sections) == len(blocks.setup.line.sections) + 2
     what_if = patched(tmp_path, '[patch.line.times]\n"points.*.throw_time_s" = 2.0\n')
     assert {points.throw_time_s for points in what_if.setup.line.points.values()} == {12.0}
 

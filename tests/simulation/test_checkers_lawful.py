@@ -6,22 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network.model import Position
-from simulation.events import (
-    MANAGER,
-    WORLD,
-    Accepted,
-    Event,
-    Freed,
-    Granted,
-    Holds,
-    JournalEntry,
-    Outside,
-    PointsLocked,
-    PointsMoving,
-    Proven,
-    Reported,
-    Started,
-)
+from simulation import events
 from simulation.judge.checkers import Checkers
 from tests.simulation.judge.stage import PIECES, POINTS, net
 
@@ -84,16 +69,16 @@ class Lawful:
         self.unheard: set[str] = set()
         self.position = {"1": Position.NORMAL, "2": Position.NORMAL}
 
-    def entry(self, who: str, event: Event) -> None:
+    def entry(self, who: str, event: events.Event) -> None:
         self.t_s += 1.0
-        self.checkers.journal(JournalEntry(self.t_s, who, event))
+        self.checkers.journal(events.JournalEntry(self.t_s, who, event))
 
     def accept(self, unit: str, sections: list[str]) -> None:
-        accepted = Accepted(unit_id=unit, section_ids=tuple(sections), token=self.token, was="unknown")
-        self.entry(MANAGER, accepted)
+        accepted = events.Accepted(unit_id=unit, section_ids=tuple(sections), token=self.token, was="unknown")
+        self.entry(events.MANAGER, accepted)
 
     def holds(self, unit: str) -> None:
-        self.entry(unit, Holds(section_ids=tuple(self.trains[unit].held), token=self.token))
+        self.entry(unit, events.Holds(section_ids=tuple(self.trains[unit].held), token=self.token))
 
     def see(self, unit: str, edge: str, front_m: float, speed_mps: float) -> None:
         self.t_s += 1.0
@@ -129,8 +114,8 @@ class Lawful:
         self.register[unit] = list(dict.fromkeys([*self.register[unit], *ahead]))
         runner.held = list(dict.fromkeys([*runner.held, *ahead]))
         self.token += 1
-        granted = Granted(unit_id=unit, route_id="r", section_ids=tuple(ahead), token=self.token)
-        self.entry(MANAGER, granted)
+        granted = events.Granted(unit_id=unit, route_id="r", section_ids=tuple(ahead), token=self.token)
+        self.entry(events.MANAGER, granted)
         self.holds(unit)
 
     def throw(self, unit: str, _share: float) -> None:
@@ -141,11 +126,11 @@ class Lawful:
             if section not in runner.held or section in under or points in runner.proven:
                 continue
             if self.position[points] != position:
-                self.entry(WORLD, PointsMoving(points_id=points, target=position))
-                self.entry(WORLD, PointsLocked(points_id=points, position=position))
+                self.entry(events.WORLD, events.PointsMoving(points_id=points, target=position))
+                self.entry(events.WORLD, events.PointsLocked(points_id=points, position=position))
                 self.position[points] = position
             runner.proven[points] = position
-            self.entry(unit, Proven(points_id=points, position=position, token=self.token))
+            self.entry(unit, events.Proven(points_id=points, position=position, token=self.token))
 
     def run(self, unit: str, share: float) -> None:
         runner = self.trains[unit]
@@ -170,9 +155,9 @@ class Lawful:
             if section in freed:
                 runner.proven.pop(points, None)
         self.holds(unit)
-        self.entry(unit, Reported(section_ids=tuple(runner.held), token=self.token))
+        self.entry(unit, events.Reported(section_ids=tuple(runner.held), token=self.token))
         self.register[unit] = list(runner.held)
-        self.entry(MANAGER, Freed(unit_id=unit, section_ids=tuple(freed)))
+        self.entry(events.MANAGER, events.Freed(unit_id=unit, section_ids=tuple(freed)))
 
     def go(self, unit: str, share: float) -> None:
         """As far as it comes: the longest of lawful moves, so that random acts get somewhere."""
@@ -207,18 +192,18 @@ class Lawful:
         self.run(unit, 1.0)
         self.checkers.train_left(unit)
         self.register[unit] = []
-        self.entry(MANAGER, Freed(unit_id=unit, section_ids=tuple(runner.held)))
+        self.entry(events.MANAGER, events.Freed(unit_id=unit, section_ids=tuple(runner.held)))
         self.t_s -= 1.0  # the manager writes both in one moment
-        self.entry(MANAGER, Outside(unit_id=unit))
+        self.entry(events.MANAGER, events.Outside(unit_id=unit))
         runner.held = []
         self.holds(unit)
         del self.trains[unit]
 
     def restart(self, _unit: str, _share: float) -> None:
         self.unheard = set(self.trains)
-        self.entry(MANAGER, Started(epoch=2))
+        self.entry(events.MANAGER, events.Started(epoch=2))
         for unit in sorted({"A", "B", "C"} - self.unheard):
-            self.entry(MANAGER, Outside(unit_id=unit))
+            self.entry(events.MANAGER, events.Outside(unit_id=unit))
 
     def claim(self, unit: str, _share: float) -> None:
         if unit in self.unheard:

@@ -14,19 +14,9 @@ from onboard.duty.records import DrivingCommand
 from radio.air import Delivery
 from simulation.agenda import Agenda
 from simulation.events import WORLD, Acted, FaultBegan, FaultOver, PointsMoving
+from simulation.faults import links
 from simulation.faults.devices import LostStore, PowerCut, Restart
 from simulation.faults.fault import InForce
-from simulation.faults.links import (
-    Cut,
-    Delay,
-    Duplicate,
-    FaultyLink,
-    Flip,
-    LinkFault,
-    Loss,
-    Reorder,
-    disturbed,
-)
 from simulation.faults.points import Stuck
 from simulation.faults.script import Act, ActKind, Script, ScriptedFault, Trigger, matcher_of
 from simulation.faults.tag_reader import Miss
@@ -134,18 +124,18 @@ class World:
             self.injector.due(item.step, item.subject)
 
     def sent(self, source: str, destination: str) -> tuple[Delivery, ...]:
-        return disturbed(self.in_force, source, destination, SENT)
+        return links.disturbed(self.in_force, source, destination, SENT)
 
 
-def failing(fault: LinkFault) -> ScriptedFault:
+def failing(fault: links.LinkFault) -> ScriptedFault:
     return ScriptedFault(fault, Trigger(at_s=1.0), 10.0)
 
 
-ALL = FaultyLink("*", "*", both_ways=True)
+ALL = links.FaultyLink("*", "*", both_ways=True)
 
 
 def test_a_cut_lasts_as_long_as_it_is_said_to_and_cuts_no_other_link() -> None:
-    world = World(failing(Cut(target=FaultyLink("K1", "block-manager", both_ways=True))))
+    world = World(failing(links.Cut(target=links.FaultyLink("K1", "block-manager", both_ways=True))))
     assert world.sent("K1", "block-manager") == SENT
     world.run_to(1 * STEPS_PER_S)
     assert world.sent("K1", "block-manager") == world.sent("block-manager", "K1") == ()
@@ -156,7 +146,7 @@ def test_a_cut_lasts_as_long_as_it_is_said_to_and_cuts_no_other_link() -> None:
 
 
 def test_one_way_cuts_one_way() -> None:
-    world = World(failing(Cut(target=FaultyLink("B-W", "K1"))))
+    world = World(failing(links.Cut(target=links.FaultyLink("B-W", "K1"))))
     world.run_to(10)
     assert world.sent("B-W", "K1") == ()
     assert world.sent("K1", "B-W") == SENT
@@ -164,7 +154,7 @@ def test_one_way_cuts_one_way() -> None:
 
 @given(st.integers(0, 2**16))
 def test_a_flip_turns_exactly_one_bit(seed: int) -> None:
-    world = World(failing(Flip(target=ALL, p=1.0)), seed=seed)
+    world = World(failing(links.Flip(target=ALL, p=1.0)), seed=seed)
     world.run_to(10)
     (delivery,) = world.sent("K1", "B-W")
     turned = [a ^ b for a, b in zip(delivery.data, SENT[0].data, strict=True)]
@@ -175,15 +165,15 @@ def test_a_flip_turns_exactly_one_bit(seed: int) -> None:
 @pytest.mark.parametrize(
     ("fault", "steps"),
     [
-        (Delay(target=ALL, seconds=3.0), [130]),
-        (Reorder(target=ALL, p=1.0, seconds=1.5), [115]),
-        (Reorder(target=ALL, p=0.0), [100]),
-        (Duplicate(target=ALL, p=1.0), [100, 101]),
-        (Loss(target=ALL, p=1.0), []),
-        (Loss(target=ALL, p=0.0), [100]),
+        (links.Delay(target=ALL, seconds=3.0), [130]),
+        (links.Reorder(target=ALL, p=1.0, seconds=1.5), [115]),
+        (links.Reorder(target=ALL, p=0.0), [100]),
+        (links.Duplicate(target=ALL, p=1.0), [100, 101]),
+        (links.Loss(target=ALL, p=1.0), []),
+        (links.Loss(target=ALL, p=0.0), [100]),
     ],
 )
-def test_when_a_disturbed_telegram_arrives(fault: LinkFault, steps: list[int]) -> None:
+def test_when_a_disturbed_telegram_arrives(fault: links.LinkFault, steps: list[int]) -> None:
     world = World(failing(fault))
     world.run_to(10)
     found = world.sent("K1", "B-W")
@@ -193,7 +183,7 @@ def test_when_a_disturbed_telegram_arrives(fault: LinkFault, steps: list[int]) -
 
 def test_losses_come_as_often_as_said_and_the_same_with_the_same_seed() -> None:
     def lost(seed: int) -> list[bool]:
-        world = World(failing(Loss(target=ALL, p=0.3)), seed=seed)
+        world = World(failing(links.Loss(target=ALL, p=0.3)), seed=seed)
         world.run_to(10)
         return [not world.sent("K1", "B-W") for _ in range(2000)]
 
@@ -203,7 +193,7 @@ def test_losses_come_as_often_as_said_and_the_same_with_the_same_seed() -> None:
 
 def test_what_fails_on_two_links_at_once_is_drawn_for_each() -> None:
     units = ("K1", "K2")
-    world = World(*(failing(Loss(target=FaultyLink(unit, "B-W"), p=0.5)) for unit in units))
+    world = World(*(failing(links.Loss(target=links.FaultyLink(unit, "B-W"), p=0.5)) for unit in units))
     world.run_to(10)
     alike = sum(world.sent("K1", "B-W") == world.sent("K2", "B-W") for _ in range(2000))
     assert alike / 2000 == pytest.approx(0.5, abs=0.045)  # four standard deviations
@@ -464,7 +454,7 @@ def test_who_looks_again_says_what_is_so_then_or_nothing() -> None:
 def test_a_script_can_be_taken_up_later() -> None:
     """As if it had been there from the beginning: the same items at the same steps, what is past at once."""
     failures = (
-        ScriptedFault(Cut(target=FaultyLink("K1", "K2")), Trigger(at_s=12.0), 5.0),
+        ScriptedFault(links.Cut(target=links.FaultyLink("K1", "K2")), Trigger(at_s=12.0), 5.0),
         ScriptedFault(Restart(target="K1"), Trigger(at_s=3.0, after_s=1.0)),
     )
     world = World()

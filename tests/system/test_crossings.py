@@ -170,9 +170,8 @@ def test_tables_and_figures_of_a_day_say_how_long_the_road_was_closed_and_warned
     figures = day_figures(result, setup)
     assert figures.closed_road_min == pytest.approx(hour["closed_s"] / 60.0, abs=1e-3)
     assert figures.least_warned_s == passage["warned_s"]
-    kept = [
-        entry for entry in result.journal.entries if isinstance(entry.event, EVENTS)
-    ]  # as a sweep keeps them
+    # as a sweep keeps them
+    kept = [entry for entry in result.journal.entries if isinstance(entry.event, EVENTS)]
     end_s = result.end_step * STEP_S
     assert roads_closed(kept, end_s) == roads_closed(result.journal.entries, end_s)
     by_radio = crossing_tables(run("100_crossing"), setup.line)["warnings"].to_dicts()

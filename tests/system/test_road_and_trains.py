@@ -74,9 +74,8 @@ def test_trains_run_as_without_a_road(setup: Setup, alone: RunResult) -> None:
     assert table["crossing"].unique().to_list() == [CROSSING]
     assert table["passages"].sum() > 60
     assert table["queue"].max() >= 15  # in 129 s 21 come in each lane, on average
-    assert (
-        table["waited_h"].sum() > 0.8
-    )  # some sixty stand there for a minute on average, who have not passed
+    # some sixty stand there for a minute on average, who have not passed
+    assert table["waited_h"].sum() > 0.8
     assert on_plain_track.tables.road.is_empty()
 
 

@@ -25,11 +25,8 @@ from tests.nightly import others_nightly
 
 ON_LINE_UNIT = (Cause.RUNS, Cause.STOP_LIMIT, Cause.STARTING)
 BEFORE_ITS_TIME = (Cause.DEPARTURE_TIME, Cause.DWELL, Cause.SET_BACK)
-ABNORMAL = (
-    Cause.EMERGENCY,
-    Cause.VEHICLE,
-    Cause.UNABLE,
-)  # named first; a unit shows what it asks for before them
+# named first; a unit shows what it asks for before them
+ABNORMAL = (Cause.EMERGENCY, Cause.VEHICLE, Cause.UNABLE)
 ON_SIGHT = (Cause.ON_SIGHT, Cause.POINTS_BY_EYE, Cause.STARTING, Cause.RUNS)
 # What a unit shows (`onboard.duty.shown`), and the causes that agree with it.
 AGREES: Mapping[str, tuple[Cause, ...]] = {

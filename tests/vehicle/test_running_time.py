@@ -194,9 +194,8 @@ def test_no_train_is_predicted_to_pull_more_than_its_driven_axles_hold(
     """Half of the weight at 0.245: 1.11 m/s2 at rest, however strong the motors are."""
     strong = changed(ev_e301, traction_force_max_n=1e6, traction_power_max_w=1e8)[0]
     time_s, _ = predicted_run(strong, 0.0, *flat(100 / 3.6), 100.0, 1100.0, 50.0, 1.0, 0.1)
-    best_s = math.sqrt(
-        2.0 * 1000.0 * (1.0 / 1.11 + 1.0 / 1.0)
-    )  # a triangle of speeds, if it reaches the limit
+    # a triangle of speeds, if it reaches the limit
+    best_s = math.sqrt(2.0 * 1000.0 * (1.0 / 1.11 + 1.0 / 1.0))
     assert time_s > best_s
 
 

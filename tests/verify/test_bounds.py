@@ -10,10 +10,8 @@ from tests.nightly import others_nightly
 from verify.evidence.bounds import Candidate, Searched, TriedRun, in_words, search, try_out
 
 SEED = 2
-SEARCHES = (
-    (2026, 14),
-    *((seed, 1000) for seed in range(2026, 2036)),
-)  # a slice, and 10,000 runs in parts by night
+# a slice, and 10,000 runs in parts by night
+SEARCHES = ((2026, 14), *((seed, 1000) for seed in range(2026, 2036)))
 
 
 @cache

@@ -17,9 +17,8 @@ from wayside.config import DispatchEntry, JourneyMove, ManagerConfig, RouteEntry
 from wayside.register import Register, start
 
 Ways = Sequence[Sequence[str]]
-STANDS, RUNS, COMES_IN = range(
-    3
-)  # what a train does on its way to a place: it is there, is on its way, has leave
+# what a train does on its way to a place: it is there, is on its way, has leave
+STANDS, RUNS, COMES_IN = range(3)
 
 
 def route_of(here: str, there: str, last: int) -> RouteEntry:

@@ -155,9 +155,8 @@ def test_a_running_line_takes_one_word_only_where_it_adds(
     assert (Refused in kinds) is (standing in (REPORTED, DISPUTED))
 
 
-@pytest.mark.parametrize(
-    "standing", [UNKNOWN, OUTSIDE, REPORTED, DISPUTED]
-)  # by hand comes when it is defined
+# by hand comes when it is defined
+@pytest.mark.parametrize("standing", [UNKNOWN, OUTSIDE, REPORTED, DISPUTED])
 @pytest.mark.parametrize("act", [ConfirmOutside("u1", "Sato"), ConfirmHolding("u1", ("A",), "Sato")])
 def test_a_line_being_restored_takes_words_down_and_puts_none_in_force(
     standing: UnitStanding, act: Act

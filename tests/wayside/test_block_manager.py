@@ -31,23 +31,10 @@ from radio.messages import (
     SignOnRefused,
 )
 from tests.wayside.manager_desk import CONFIG, KEYS, Desk, defined
+from wayside import said
 from wayside.actions import Send, Show
 from wayside.block_manager import TELEGRAMS, AskUnits, Heard, step, wake_at_s
 from wayside.register import UnitStanding
-from wayside.said import (
-    Accepted,
-    AcceptPicture,
-    BoundaryPassed,
-    ConfirmHolding,
-    ConfirmOutside,
-    Contradicted,
-    Freed,
-    Granted,
-    NotDone,
-    Outside,
-    PictureChanged,
-    Refused,
-)
 
 IN = RouteRequest("u1", "in", ("A", "B"))
 
@@ -55,9 +42,9 @@ IN = RouteRequest("u1", "in", ("A", "B"))
 def test_nothing_is_granted_while_anyone_is_unknown() -> None:
     desk = Desk()
     desk.enter("u1", "P0")
-    desk.act(ConfirmOutside("u2", "Sato"))
+    desk.act(said.ConfirmOutside("u2", "Sato"))
     assert desk.hear("u1", IN) == RouteRefused("in", RefusalReason.UNDEFINED, None, "u3")
-    desk.act(ConfirmHolding("u3", ("E",), "Sato"))
+    desk.act(said.ConfirmHolding("u3", ("E",), "Sato"))
     assert isinstance(desk.hear("u1", IN), RouteGranted)
 
 
@@ -71,7 +58,7 @@ def test_a_route_is_granted_whole_with_capabilities_for_its_terminals() -> None:
     assert (capability.terminal_id, capability.section_id) == ("tA", "A")
     assert capability.mac == capability_mac(KEYS["tA"], "tA", "A", "u1", granted.token)
     assert desk.register.held_by("u1") == ("P0", "A", "B")
-    assert desk.kinds == [Granted]
+    assert desk.kinds == [said.Granted]
 
 
 def test_a_route_is_not_granted_in_part() -> None:
@@ -146,7 +133,7 @@ def test_a_report_frees_what_it_no_longer_lists_and_a_lost_one_heals() -> None:
     confirmed = desk.hear("u1", HoldingReport(("B",), granted.token))
     assert confirmed == HoldingConfirmed(("B",), granted.token)
     assert desk.register.holders == {"B": "u1"}
-    assert desk.kinds == [Freed]
+    assert desk.kinds == [said.Freed]
     assert desk.hear("u1", HoldingReport(("B",), granted.token)) == confirmed
     assert desk.kinds == []
 
@@ -168,7 +155,7 @@ def test_reports_that_free_nothing(sections: tuple[str, ...], epoch: int) -> Non
     report = HoldingReport(sections, desk.register.unit("u1").token)
     assert isinstance(desk.hear("u1", report, epoch=epoch), HoldingConfirmed)
     assert desk.register == before
-    assert desk.kinds in ([Refused], [Contradicted])
+    assert desk.kinds in ([said.Refused], [said.Contradicted])
 
 
 def test_silence_frees_nothing() -> None:
@@ -207,7 +194,7 @@ def test_a_claim_keeps_the_trains_token_and_later_ones_are_greater() -> None:
     for unit_id in ("u2", "u3"):
         desk.hear(unit_id, Claim((), 0))
     desk.now_s = 10.0
-    assert desk.act(AcceptPicture("Sato")) == [PictureChanged]
+    assert desk.act(said.AcceptPicture("Sato")) == [said.PictureChanged]
     granted = desk.hear("u1", IN)
     assert isinstance(granted, RouteGranted)
     assert granted.token > old_token
@@ -255,20 +242,20 @@ def test_a_request_of_a_new_boot_is_no_repetition_of_the_old_ones() -> None:
 
 def test_a_person_cannot_contradict_another_holder() -> None:
     desk = defined(u1=("A", "B"))
-    assert desk.act(ConfirmHolding("u2", ("B",), "Sato")) == [Contradicted]
+    assert desk.act(said.ConfirmHolding("u2", ("B",), "Sato")) == [said.Contradicted]
     assert desk.standing("u2") is UnitStanding.OUTSIDE
 
 
 @pytest.mark.parametrize("sections", [(), ("nowhere",)])
 def test_entries_by_hand_that_make_no_sense(sections: tuple[str, ...]) -> None:
-    assert Desk().act(ConfirmHolding("u1", sections, "Sato")) == [Refused]
+    assert Desk().act(said.ConfirmHolding("u1", sections, "Sato")) == [said.Refused]
 
 
 def test_a_unit_confirmed_outside_that_claims_the_line_is_believed_and_held() -> None:
     desk = defined()
     desk.hear("u1", Claim(("C",), 7))
     assert desk.register.held_by("u1") == ("C",)
-    assert desk.kinds == [Accepted]
+    assert desk.kinds == [said.Accepted]
 
 
 def test_entering_needs_a_free_portal() -> None:
@@ -286,7 +273,7 @@ def test_a_wish_to_enter_is_no_claim() -> None:
     assert desk.standing("u1") is UnitStanding.OUTSIDE
     desk.hear("u2", Claim((), 0))
     desk.now_s = 10.0
-    desk.act(AcceptPicture("Sato"))
+    desk.act(said.AcceptPicture("Sato"))
     accepted = desk.hear("u1", SignOn("u1", ("P0",)))
     assert isinstance(accepted, SignOnAccepted)
     assert accepted.section_ids == ("P0",)
@@ -332,7 +319,7 @@ def test_signing_off_from_the_portal_and_again() -> None:
     assert desk.hear("u1", off) == SignOffAccepted()
     assert desk.standing("u1") is UnitStanding.LEAVING
     assert desk.register.holders == {"P9": "u1"}, "its train stands there, and may not have heard"
-    assert desk.act(BoundaryPassed("P9")) == [Freed, Outside]
+    assert desk.act(said.BoundaryPassed("P9")) == [said.Freed, said.Outside]
     assert desk.register.holders == {}
     assert desk.standing("u1") is UnitStanding.OUTSIDE
     assert desk.hear("u1", off) == SignOffAccepted()
@@ -359,7 +346,7 @@ def test_sign_offs_that_are_refused(
 def test_units_that_are_not_on_the_fleet_list_do_not_exist() -> None:
     desk = defined()
     before = desk.register
-    assert desk.act(ConfirmOutside("ghost", "Sato")) == [Refused]
+    assert desk.act(said.ConfirmOutside("ghost", "Sato")) == [said.Refused]
     event: Heard[AnyMessage] = Heard("ghost", 1, True, 1, SignOn("ghost", ("C",)))
     register, (action,) = step(before, event, 0.0)
     assert register == before
@@ -378,9 +365,9 @@ def in_standing(standing: UnitStanding) -> Desk:
     desk.enter("u2", "E")
     match standing:
         case UnitStanding.OUTSIDE:
-            desk.act(ConfirmOutside("u1", "Sato"))
+            desk.act(said.ConfirmOutside("u1", "Sato"))
         case UnitStanding.BY_HAND:
-            desk.act(ConfirmHolding("u1", ("B",), "Sato"))
+            desk.act(said.ConfirmHolding("u1", ("B",), "Sato"))
         case UnitStanding.REPORTED:
             desk.enter("u1", "B")
         case UnitStanding.LEAVING:
@@ -437,7 +424,7 @@ def test_the_table_of_telegrams(standing: UnitStanding, message: AnyMessage) -> 
     kind = type(message)
     if (kind, standing) in NOTED:
         desk.register, (shown,) = step(desk.register, Heard("u1", 1, True, 1, message), 0.0)
-        assert shown == Show(NotDone(unit_id="u1", route_id="over", why="not held"))
+        assert shown == Show(said.NotDone(unit_id="u1", route_id="over", why="not held"))
     else:
         assert isinstance(desk.hear("u1", message), EXPECTED.get((kind, standing)) or OTHERWISE[kind])
     # No telegram of this walk may touch u2, and none may take a section from u1.
@@ -452,7 +439,7 @@ def test_messages_for_others_are_refused_in_every_standing(standing: UnitStandin
     register, (action,) = step(desk.register, event, 0.0)
     assert register == desk.register
     assert isinstance(action, Show)
-    assert isinstance(action.note, Refused)
+    assert isinstance(action.note, said.Refused)
 
 
 def test_the_table_is_complete() -> None:

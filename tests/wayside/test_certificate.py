@@ -235,9 +235,8 @@ def test_two_trains_that_cannot_finish_are_found_among_many_that_could_go_on_for
     ]
     found = finishing_order([*lost, *others])
     assert (found.proof, found.circle) == (CertificateProof.NONE, (0, 1))
-    assert found.steps < 2 * sum(
-        len(train.ahead) for train in others
-    )  # the others are not tried in all their orders
+    # the others are not tried in all their orders
+    assert found.steps < 2 * sum(len(train.ahead) for train in others)
 
 
 @pytest.mark.parametrize("held", [0, 1])

@@ -5,20 +5,7 @@ from collections.abc import Sequence
 import pytest
 from msgspec.structs import replace
 
-from radio.messages import (
-    AnyMessage,
-    HoldingConfirmed,
-    NextTrainReport,
-    OrderRefusalReason,
-    OrderRefused,
-    RefusalReason,
-    RouteGranted,
-    RouteRequest,
-    SignOn,
-    SignOnAccepted,
-    SignOnRefused,
-    TrainOrdered,
-)
+from radio import messages
 from tests.wayside.loop_line import Play, config_of, route_of
 from wayside import cutting, unanswered
 from wayside.actions import Send, Show
@@ -31,8 +18,8 @@ TRACKS = [1, 2, 2]
 # Train 0 goes down and comes back as 0b.
 WAYS = [["0.1", "1.1", "2.1", "1.1", "0.1"]]
 RULES = CutRules(turn_back_at=("1",), late_s=60.0, gain_s=60.0)
-ONWARD = RouteRequest("u0", "1.1>2.1", ("1-2", "2.1"))
-BACK = RouteRequest("u0", "1.1>0.1", ("0-1", "0.1"))
+ONWARD = messages.RouteRequest("u0", "1.1>2.1", ("1-2", "2.1"))
+BACK = messages.RouteRequest("u0", "1.1>0.1", ("0-1", "0.1"))
 
 
 def with_trains(ways: Sequence[Sequence[str]], cuts: CutRules = RULES, **dispatch: object) -> ManagerConfig:
@@ -61,18 +48,18 @@ def with_trains(ways: Sequence[Sequence[str]], cuts: CutRules = RULES, **dispatc
 def at_the_loop(ways: Sequence[Sequence[str]] = WAYS, cuts: CutRules = RULES, **dispatch: object) -> Play:
     """Train 0 stands at the loop five minutes late (500 s, for 200 s)."""
     play = Play(with_trains(ways, cuts, **dispatch), [list(way) for way in ways])
-    assert isinstance(play.asks(0), RouteGranted)
+    assert isinstance(play.asks(0), messages.RouteGranted)
     play.now_s = 500.0
     return play
 
 
-def says(play: Play, message: AnyMessage, unit_id: str = "u0") -> list[object]:
+def says(play: Play, message: messages.AnyMessage, unit_id: str = "u0") -> list[object]:
     play.register, actions = step(play.register, Heard(unit_id, 1, True, 0, message), play.now_s)
     return [a.message if isinstance(a, Send) else a.note for a in actions if isinstance(a, Send | Show)]
 
 
-def report(play: Play, train: str = "0b") -> NextTrainReport:
-    return NextTrainReport(("1.1",), play.register.unit("u0").token, (), train)
+def report(play: Play, train: str = "0b") -> messages.NextTrainReport:
+    return messages.NextTrainReport(("1.1",), play.register.unit("u0").token, (), train)
 
 
 def test_a_late_train_is_ended_where_that_saves_enough() -> None:
@@ -81,13 +68,13 @@ def test_a_late_train_is_ended_where_that_saves_enough() -> None:
     """
     play = at_the_loop()
     heard = says(play, ONWARD)
-    assert TrainOrdered("1.1>2.1", "0b") in heard
+    assert messages.TrainOrdered("1.1>2.1", "0b") in heard
     (cut,) = [note for note in heard if isinstance(note, TrainCut)]
     assert cut.trains == ("0", "0b")
     assert cut.why.endswith("7 min late in all, as stated for what is cut, instead of 9")
     for gain_s, ordered in ((100.0, True), (101.0, False)):
         play = at_the_loop(cuts=replace(RULES, gain_s=gain_s))
-        assert (TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)) is ordered
+        assert (messages.TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)) is ordered
 
 
 @pytest.mark.parametrize("others", range(3))
@@ -103,7 +90,7 @@ def test_a_cut_that_saves_nothing_is_none_whatever_it_must_gain() -> None:
     """By the same hand, with 160 s for the other train: 560 against 560."""
     for late_s, ordered in ((159.0, True), (160.0, False)):
         play = at_the_loop(cuts=replace(RULES, late_s=late_s, gain_s=0.0))
-        assert (TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)) is ordered
+        assert (messages.TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)) is ordered
 
 
 @pytest.mark.parametrize(
@@ -112,54 +99,55 @@ def test_a_cut_that_saves_nothing_is_none_whatever_it_must_gain() -> None:
 )
 def test_nothing_is_cut_that_may_not_be(cuts: CutRules) -> None:
     """Nowhere, elsewhere; or whole trains alone, and this one has run a part of its way."""
-    assert not [m for m in says(at_the_loop(cuts=cuts), ONWARD) if isinstance(m, TrainOrdered)]
+    assert not [m for m in says(at_the_loop(cuts=cuts), ONWARD) if isinstance(m, messages.TrainOrdered)]
 
 
 def test_what_is_not_worth_it_is_ended_where_nobody_weighs_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cutting, "WEIGHED", False)
     play = at_the_loop(cuts=replace(RULES, gain_s=1e6))
-    assert TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)
+    assert messages.TrainOrdered("1.1>2.1", "0b") in says(play, ONWARD)
 
 
 def test_a_train_in_time_is_not_ended() -> None:
     play = at_the_loop()
     play.now_s = 439.0  # less than the four minutes below which the plan is kept
-    assert isinstance(says(play, ONWARD)[-1], RouteGranted)
+    assert isinstance(says(play, ONWARD)[-1], messages.RouteGranted)
 
 
 def test_no_delay_is_the_least_there_is() -> None:
     """Who leaves to the second loses nothing, however soon one counts as late."""
     play = at_the_loop(cuts=replace(RULES, gain_s=0.0), late_s=0.0)
     play.now_s = 200.0
-    assert isinstance(says(play, ONWARD)[-1], RouteGranted)
+    assert isinstance(says(play, ONWARD)[-1], messages.RouteGranted)
 
 
 def test_done_it_goes_on_as_the_other_train_and_doubled_nothing_is_new() -> None:
     play = at_the_loop()
     says(play, ONWARD)
     heard = says(play, report(play))
-    assert GoesOnAs(unit_id="u0", train="0b") in heard and isinstance(heard[-1], HoldingConfirmed)
+    assert GoesOnAs(unit_id="u0", train="0b") in heard and isinstance(heard[-1], messages.HoldingConfirmed)
     days = play.register.days
     assert days is not None
     assert [hop.route_id for hop in days.hops[0]] == ["0.1>1.1", "1.1>0.1"]
-    assert [type(m) for m in says(play, report(play))] == [HoldingConfirmed]
-    assert isinstance(says(play, BACK)[-1], RouteGranted)
+    assert [type(m) for m in says(play, report(play))] == [messages.HoldingConfirmed]
+    assert isinstance(says(play, BACK)[-1], messages.RouteGranted)
 
 
 def test_a_lost_order_is_given_again_and_not_without_end() -> None:
     play = at_the_loop()
     orders = [
-        any(isinstance(m, TrainOrdered) for m in says(play, ONWARD)) for _ in range(cutting.ORDERS_MAX + 2)
+        any(isinstance(m, messages.TrainOrdered) for m in says(play, ONWARD))
+        for _ in range(cutting.ORDERS_MAX + 2)
     ]
     assert orders == [True] * cutting.ORDERS_MAX + [False, False]
-    assert isinstance(says(play, ONWARD)[-1], RouteGranted)
+    assert isinstance(says(play, ONWARD)[-1], messages.RouteGranted)
 
 
 def test_one_that_refuses_goes_on_and_is_not_asked_again() -> None:
     play = at_the_loop()
     says(play, ONWARD)
-    says(play, OrderRefused("1.1>2.1", OrderRefusalReason.UNKNOWN_TRAIN))
-    assert isinstance(says(play, ONWARD)[-1], RouteGranted)
+    says(play, messages.OrderRefused("1.1>2.1", messages.OrderRefusalReason.UNKNOWN_TRAIN))
+    assert isinstance(says(play, ONWARD)[-1], messages.RouteGranted)
 
 
 def test_an_old_report_changes_nothing() -> None:
@@ -172,7 +160,7 @@ def test_an_old_report_changes_nothing() -> None:
 def test_a_unit_that_booted_after_it_took_the_order_is_known_by_what_it_asks() -> None:
     play = at_the_loop()
     says(play, ONWARD)
-    assert isinstance(says(play, BACK)[-1], RouteGranted)
+    assert isinstance(says(play, BACK)[-1], messages.RouteGranted)
     assert play.register.cuts == {"u0": {1: "0b"}}
 
 
@@ -197,9 +185,9 @@ def test_while_the_answer_is_out_nothing_is_granted_that_is_wrong_after_it(
         monkeypatch.setattr(unanswered, "EITHER_WAY", either_way)
         monkeypatch.setattr(cutting, "WEIGHED", False)
         play = at_the_loop(ways, RULES)
-        assert isinstance(play.asks(1), RouteGranted)
-        assert any(isinstance(m, TrainOrdered) for m in says(play, ONWARD))
-        came_in = says(play, SignOn("u2", ("P",)), "u2")[-1]
-        assert isinstance(came_in, SignOnRefused if either_way else SignOnAccepted)
-        if isinstance(came_in, SignOnRefused):
-            assert came_in.reason is RefusalReason.NO_WAY_ON
+        assert isinstance(play.asks(1), messages.RouteGranted)
+        assert any(isinstance(m, messages.TrainOrdered) for m in says(play, ONWARD))
+        came_in = says(play, messages.SignOn("u2", ("P",)), "u2")[-1]
+        assert isinstance(came_in, messages.SignOnRefused if either_way else messages.SignOnAccepted)
+        if isinstance(came_in, messages.SignOnRefused):
+            assert came_in.reason is messages.RefusalReason.NO_WAY_ON

@@ -286,9 +286,8 @@ def ceilings(way: WayTable, table: Floats) -> Floats:
         pull = max(values_around(table, PULL, v)[1], values_around(table, PULL, w)[1])
         resist = min(values_around(table, RESIST, v)[0], values_around(table, RESIST, w)[0], band)
         rate = pull - resist - grade
-        if (
-            rate < 0.0
-        ):  # what loses speed is pulled harder at the end, if it has fallen as far as with this rate
+        # what loses speed is pulled harder at the end, if it has fallen as far as with this rate
+        if rate < 0.0:
             u = math.sqrt(2.0 * max(most[i] + h * rate, 0.0))
             pull = max(pull, values_around(table, PULL, u)[1])
             rate = pull - min(resist, values_around(table, RESIST, u)[0]) - grade

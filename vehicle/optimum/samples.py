@@ -13,16 +13,8 @@ from vehicle.optimum.mesh import CourseOnMesh, laid_course, places_m
 from vehicle.optimum.pareto import HopCurve, ParetoPoint, curve_of
 from vehicle.optimum.solve import optimum_of
 
-STRETCHES: Final = (
-    1.01,
-    1.03,
-    1.06,
-    1.1,
-    1.16,
-    1.25,
-    1.4,
-    1.7,
-)  # of the least time: denser where prices fall fast
+# of the least time: denser where prices fall fast
+STRETCHES: Final = (1.01, 1.03, 1.06, 1.1, 1.16, 1.25, 1.4, 1.7)
 FEW: Final = (1.02, 1.06, 1.14, 1.3, 1.7)  # as many as a unit has time for
 POINTS: Final = 150
 

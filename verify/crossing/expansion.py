@@ -24,9 +24,8 @@ from verify.tables import Choices, GrowingRows, Numbers, Once
 
 CELL_BITS, GATE_BITS, EFFECT_BITS, LEFT_BITS, FACT_BITS, TOLD_BITS = 26, 20, 18, 12, 5, 3
 Tagged = tuple[tuple[int, bool], ...]  # telegrams of the device, and whether the closure that is was so then
-CellKey = tuple[
-    int, tuple[int, ...], Tagged, bool
-]  # train, telegrams to the device and from it, networks lost
+# train, telegrams to the device and from it, networks lost
+CellKey = tuple[int, tuple[int, ...], Tagged, bool]
 # columns of a cell, and of what may follow from one
 FACT, HEAD, PASSED_BY = range(3)
 AFTER, COSTS, TOLD, ANEW = range(4)

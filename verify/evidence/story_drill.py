@@ -49,12 +49,8 @@ LINE: Final = files("verify.evidence") / "explored"
 DAY, TIMES, DRILL = "day.toml", "times.toml", "story.toml"
 FILES: Final = frozenset({"explored.toml", DAY, TIMES, DRILL})
 WHAT: Final = "a story"
-APART_S: Final = (
-    60,
-    20,
-    300,
-    380,
-)  # how long after the first train the second is due; the first that tells the story
+# how long after the first train the second is due; the first that tells the story
+APART_S: Final = (60, 20, 300, 380)
 FIRST_S: Final = 36_000
 STAYS_S: Final = 600.0  # how long a cut or a dead party lasts that the story does not end
 AFTER_S: Final = 120  # from a train's arrival until it leaves
@@ -69,10 +65,8 @@ UNSEEN_S: Final = (
 ACCEPTS: Final = "a person accepts the picture"
 OFF: Final = "off the line"
 WORD: Final = re.compile(r"(.+?) (bar|unbar|says? that|takes back what was said of) (u\d)(?: is (.+))?")
-BODILY: Final = {
-    "enters": Entered,
-    "passes the boundary": Left,
-}  # each once a train, whatever its unit hears meanwhile
+# each once a train, whatever its unit hears meanwhile
+BODILY: Final = {"enters": Entered, "passes the boundary": Left}
 NOTED: Final = {
     **dict.fromkeys(("Begin", "SwitchedOn", "ChangeEnds"), MissionBegun),
     "WheelsTurning": Moving,
@@ -426,9 +420,8 @@ def _held_up(
     if UNUSED in ends:
         return None
     until = ended
-    if (
-        ended is not None and told[ended].what != HEARS
-    ):  # lost; its link is back for the next that is heard on it
+    # lost; its link is back for the next that is heard on it
+    if ended is not None and told[ended].what != HEARS:
         heard = (k for k in range(ended, len(told)) if told[k].what == HEARS and _way(told[k]) == key)
         until = next(heard, None)
     elif ended is not None:

@@ -51,9 +51,8 @@ def brake_in_s(
     speed, position, _ = run_on(own, cue, unit, train, path, 0.0, steps, False)
     strongest = service_target_mps2(train, -train.brake_notches)
     slowed = own_at_mps2(unit, train, path, cue.load_share, mark_m, speed)
-    least = (
-        own.settings.stop_allowed_m
-    )  # a train that stands on a descent has somewhere to brake from as well
+    # a train that stands on a descent has somewhere to brake from as well
+    least = own.settings.stop_allowed_m
     brake_mps2 = min(
         behaviour.settings.stop_deceleration_mps2, max(BRAKE_LEFT_SHARE * (strongest + slowed), 0.05)
     )

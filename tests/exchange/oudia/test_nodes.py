@@ -25,9 +25,8 @@ LINE = load_line(shipped_line("karasuyama"))
 WRITTEN = oudia_of(LINE, load_timetable(shipped_timetable("karasuyama_weekday"), LINE)).encoded()
 
 names = st.from_regex(r"[A-Z][A-Za-z0-9]{0,8}", fullmatch=True)
-in_cp932 = st.text(
-    st.sampled_from("abc=.;,/$\\\n 駅十ソ表能予―Ⅸ噂申貼・ーア村"), max_size=12
-)  # with characters that end in the byte of a backslash
+# with characters that end in the byte of a backslash
+in_cp932 = st.text(st.sampled_from("abc=.;,/$\\\n 駅十ソ表能予―Ⅸ噂申貼・ーア村"), max_size=12)
 any_text = st.text(st.characters(exclude_categories=("Cs", "Cc"), include_characters="\n"), max_size=12)
 
 

@@ -37,6 +37,11 @@ TIMER: Final = Timer("points", "P5")
 HOLDING: Final = Authority(held=("3", "5", "6", "7", "8"), commandable=("5", "7"), on_line=True)
 OPEN: Final = OpenCommand(P5, sent=True)
 THROWING: Final = replace(HOLDING, commands=(OPEN,))
+REFUSED: Final = replace(
+    HOLDING,
+    commands=(replace(OPEN, refusal="old token"),),
+    requests=(OpenRequest(RequestKind.REPORT, sent=True),),
+)
 PROVEN: Final = replace(HOLDING, proven=(P5,))
 WITHDRAWN: Final = replace(HOLDING, unsaid=(P5,))
 SIGNING_ON: Final = Authority(requests=(OpenRequest(RequestKind.SIGN_ON, section_ids=None, sent=True),))
@@ -148,11 +153,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     "refused because the grant is not the newest, it is reported, so that the manager can say so": (
         THROWING,
         replace(DENIED, why="old token", stale=True),
-        replace(
-            HOLDING,
-            commands=(replace(OPEN, refusal="old token"),),
-            requests=(OpenRequest(RequestKind.REPORT, sent=True),),
-        ),
+        REFUSED,
         (
             Write(notes.ThrowDenied(points_id="P5", why="old token")),
             SetTimer(TIMER, REFUSED_REPEAT_S),
@@ -161,17 +162,9 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         ),
     ),
     "refused so again, one report is enough": (
-        replace(
-            HOLDING,
-            commands=(replace(OPEN, refusal="old token"),),
-            requests=(OpenRequest(RequestKind.REPORT, sent=True),),
-        ),
+        REFUSED,
         replace(DENIED, why="old token", stale=True),
-        replace(
-            HOLDING,
-            commands=(replace(OPEN, refusal="old token"),),
-            requests=(OpenRequest(RequestKind.REPORT, sent=True),),
-        ),
+        REFUSED,
         (SetTimer(TIMER, REFUSED_REPEAT_S),),
     ),
     "refused for another token": (THROWING, replace(DENIED, mine=False, stale=True), THROWING, ()),

@@ -95,17 +95,23 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SIGNING_ON,
         (Renew(RequestKind.SIGN_ON), holds("3"), *said(CLAIMING)),
     ),
-    "accepted, it holds what the manager says": (
-        IGNORANT,
-        SignOnHeard(("3", "5", "6"), ("5",), answers=True, newer=True),
-        HOLDING,
-        (
-            StopTimer(SIGN_ON),
-            Take(("3", "5", "6")),
-            Write(notes.SignedOn(section_ids=("3", "5", "6"))),
-            holds("3", "5", "6"),
-        ),
-    ),
+    **{
+        what: (
+            IGNORANT,
+            SignOnHeard(("3", "5", "6"), ("5",), answers=True, newer=True, on_sight=on_sight),
+            replace(HOLDING, unswept=on_sight),
+            (
+                StopTimer(SIGN_ON),
+                Take(("3", "5", "6")),
+                Write(notes.SignedOn(section_ids=("3", "5", "6"))),
+                holds("3", "5", "6"),
+            ),
+        )
+        for what, on_sight in (
+            ("accepted, it holds what the manager says", ()),
+            ("accepted, it learns what must be swept", ("5", "6")),
+        )
+    },
     "accepted, the wish is a fact": (
         WISHING,
         SignOnHeard(("PW",), (), answers=True, newer=True),
@@ -153,17 +159,6 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SignOnHeard(("3", "5", "6"), (), answers=False, newer=False),
         HOLDING,
         (),
-    ),
-    "accepted, it learns what must be swept": (
-        IGNORANT,
-        SignOnHeard(("3", "5", "6"), ("5",), answers=True, newer=True, on_sight=("5", "6")),
-        replace(HOLDING, unswept=("5", "6")),
-        (
-            StopTimer(SIGN_ON),
-            Take(("3", "5", "6")),
-            Write(notes.SignedOn(section_ids=("3", "5", "6"))),
-            holds("3", "5", "6"),
-        ),
     ),
     "an answer to a claim says what of it must be swept, and no more": (
         replace(HOLDING, unswept=("3",)),

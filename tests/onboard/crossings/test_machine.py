@@ -56,9 +56,8 @@ def test_it_is_asked_six_seconds_before_its_warning_must_begin() -> None:
     assert replace(FAR, proof_s=30.0).due_s == pytest.approx(30.0 - 15.0 - EARLY_S)
     assert step(VIEW, CrossingSeen(FAR), 0.0) == (VIEW, ())
     assert wake_s(VIEW, FAR, 7.0) == 7.0 + 59.0
-    later = replace(
-        FAR, arrives_s=math.inf, proof_s=math.inf
-    )  # it is to stop before it, and something happens then
+    # it is to stop before it, and something happens then
+    later = replace(FAR, arrives_s=math.inf, proof_s=math.inf)
     assert wake_s(VIEW, later, 7.0) == math.inf
     asked, said = step(VIEW, CrossingSeen(NEAR), 0.0)
     assert asked == replace(ASKED_VIEW, begins_s=5.0)
@@ -232,10 +231,8 @@ def test_by_a_proof_that_lasts_it_looks_again_where_its_front_is_not_on_the_road
     for view, place in (
         (replace(old, until_s=11.9), soon),
         (replace(old, until_s=12.5, answered=False), soon),
-        (
-            replace(old, until_s=12.5, since_s=0.0),
-            soon,
-        ),  # not closed for its least time when it could be there
+        # not closed for its least time when it could be there
+        (replace(old, until_s=12.5, since_s=0.0), soon),
         (replace(old, until_s=12.5), ON_IT),
         (replace(old, until_s=12.5, phase=PASSING), soon),
     ):

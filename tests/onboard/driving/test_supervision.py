@@ -71,9 +71,8 @@ def prepared(limit_m: float) -> UnitRow:
     larger=st.floats(0.0, 0.02),
 )
 @example([0.0] * 10, 400.0, 0.6, 0.0, 40.0, False, 0.0)
-@example(
-    [0.0, 0.0, 6.0, *[0.0] * 7], 1132.0, 0.5, 0.0, 20.0, False, 0.0
-)  # over a crest within the reaction time
+# over a crest within the reaction time
+@example([0.0, 0.0, 6.0, *[0.0] * 7], 1132.0, 0.5, 0.0, 20.0, False, 0.0)
 @example([-25.0] * 10, 2000.0, 0.6, 0.0, 40.0, False, 0.0)
 @example([-25.0] * 5 + [25.0] * 5, 1400.0, 0.6, 0.0, 120.0, False, 0.0)
 @example([0.0] * 10, 1400.0, 0.6, 0.0, 40.0, False, 0.02)
@@ -270,9 +269,8 @@ PLACES = st.tuples(st.integers(100, 2300), st.integers(1, 200), st.floats(1.0, 1
     truly=st.floats(0.0, 1.0),
 )
 @example([(1500, 5, 8.0)], 1540.0, 50.0, 50.0, 10.0, 0.5)
-@example(
-    [(1500, 100, 8.0)], 1659.9, 20.0, 20.0, 40.0, 0.0
-)  # its rear is still within, if it is where it may be
+# its rear is still within, if it is where it may be
+@example([(1500, 100, 8.0)], 1659.9, 20.0, 20.0, 40.0, 0.0)
 def test_no_more_is_permitted_than_any_limit_under_the_train_allows(
     train: TrainRow,
     behaviour: BehaviourRow,

@@ -217,34 +217,17 @@ ORDERS: Final[dict[str, Case]] = {
         refused(OrderRefusalReason.MAY_HAVE_ENTERED),
     ),
     **{
-        f"no other track: {at.value}": (
+        f"{what}: {at.value}": (
             STATES[at],
-            TrackChangeOrdered("3>8", "3>9", answers=True),
+            order,
             STATES[at].place,
             STATES[at],
             refused(OrderRefusalReason.NOT_AT_A_STOP),
         )
-        for at in ON_THE_LINE
-        if at is not DutyPhase.STANDING
-    },
-    **{
-        f"it is not ended: {at.value}": (
-            STATES[at],
-            TrainEndOrdered("3>8", "T2", answers=True),
-            STATES[at].place,
-            STATES[at],
-            refused(OrderRefusalReason.NOT_AT_A_STOP),
-        )
-        for at in ON_THE_LINE
-        if at is not DutyPhase.STANDING
-    },
-    **{
-        f"nothing is taken back: {at.value}": (
-            STATES[at],
-            TakeBackOrdered("3>8", newest=True, hold_s=30.0),
-            STATES[at].place,
-            STATES[at],
-            refused(OrderRefusalReason.NOT_AT_A_STOP),
+        for what, order in (
+            ("no other track", TrackChangeOrdered("3>8", "3>9", answers=True)),
+            ("it is not ended", TrainEndOrdered("3>8", "T2", answers=True)),
+            ("nothing is taken back", TakeBackOrdered("3>8", newest=True, hold_s=30.0)),
         )
         for at in ON_THE_LINE
         if at is not DutyPhase.STANDING

@@ -86,30 +86,24 @@ IGNORANT: Final = replace(SIGN_ON_OPEN, section_ids=None)
 NOBODY_KNOWS: Final = Authority(requests=(replace(IGNORANT, refusal="claim needed"),))
 
 SENSED: Final[dict[str, Case]] = {
-    "at the approach tag the arrival points are thrown": (
-        RUNNING,
-        TagBelieved(APPROACH, found=False),
-        ON_6,
-        replace(
+    **{
+        what: (
             RUNNING,
-            authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
-            wanted=(P7,),
-            proved=2,
-        ),
-        (Commit(P7), *commanded(P7)),
-    ),
-    "at the next tag, if the approach tag was missed": (
-        RUNNING,
-        TagBelieved(POSITION, found=False),
-        ON_6,
-        replace(
-            RUNNING,
-            authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
-            wanted=(P7,),
-            proved=2,
-        ),
-        (Commit(P7), *commanded(P7)),
-    ),
+            TagBelieved(tag, found=False),
+            ON_6,
+            replace(
+                RUNNING,
+                authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
+                wanted=(P7,),
+                proved=2,
+            ),
+            (Commit(P7), *commanded(P7)),
+        )
+        for what, tag in (
+            ("at the approach tag the arrival points are thrown", APPROACH),
+            ("at the next tag, if the approach tag was missed", POSITION),
+        )
+    },
     "at a tag before the approach nothing is thrown": (
         RUNNING,
         TagBelieved(3, found=False),

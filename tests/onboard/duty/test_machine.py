@@ -5,22 +5,7 @@ from typing import Any, Final, get_args
 import pytest
 from msgspec.structs import replace
 
-from onboard.authority.records import (
-    Authority,
-    ConfirmationHeard,
-    ContestHeard,
-    GrantHeard,
-    OpenCommand,
-    OpenRequest,
-    PeerRestarted,
-    ProofHeard,
-    QueryHeard,
-    RequestKind,
-    SendCommand,
-    SendRequest,
-    SetTimer,
-    SignOnHeard,
-)
+from onboard.authority import records
 from onboard.duty import on_sight
 from onboard.duty.machine import TABLE, step
 from onboard.duty.records import (
@@ -120,12 +105,12 @@ def test_by_section_only_what_lies_ahead_is_asked_for_again() -> None:
     place = moved(ON_6, stands=True)
     for rule, wants in ((ReleaseRule.SECTION, ("6", "7", "8")), (ReleaseRule.ROUTE, SECTIONS)):
         asks, _ = step(PLAN, replace(TIMES, release=rule), held_up, Looked(), place, NOW_S)
-        request = asks.authority.open(RequestKind.ROUTE)
+        request = asks.authority.open(records.RequestKind.ROUTE)
         assert request is not None
         assert request.section_ids == wants
 
 
-A_PART: Final = Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
+A_PART: Final = records.Authority(held=("3", "5", "6"), commandable=("5",), on_line=True)
 THE_REST: Final = replace(ROUTE_OPEN, section_ids=("7", "8"), refusal="the rest is not free")
 
 
@@ -135,7 +120,7 @@ THE_REST: Final = replace(ROUTE_OPEN, section_ids=("7", "8"), refusal="the rest 
     ids=["the rest", "nothing", "the whole"],
 )
 def test_a_part_of_the_way_is_kept_only_while_the_rest_is_asked_for(
-    waits_for: tuple[OpenRequest, ...], keeps: tuple[str, ...]
+    waits_for: tuple[records.OpenRequest, ...], keeps: tuple[str, ...]
 ) -> None:
     state = replace(STANDING, authority=replace(A_PART, requests=waits_for))
     after, _ = step(PLAN, replace(TIMES, release=ReleaseRule.SECTION), state, Looked(), AT_A, NOW_S)
@@ -144,7 +129,7 @@ def test_a_part_of_the_way_is_kept_only_while_the_rest_is_asked_for(
 
 def test_with_a_part_of_the_way_its_points_are_thrown() -> None:
     asks = replace(STANDING, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)))
-    grant = GrantHeard("3>8", ("5", "6"), ("5",), answers=True, fresh=True, newer=True)
+    grant = records.GrantHeard("3>8", ("5", "6"), ("5",), answers=True, fresh=True, newer=True)
     granted, actions = step(PLAN, TIMES, asks, TelegramHeard(grant), AT_A, NOW_S)
     assert granted.authority.held == ("3", "5", "6")
     assert [command.needed for command in granted.authority.commands] == [P5]
@@ -160,7 +145,7 @@ def test_without_a_position_the_way_is_asked_for_from_where_the_driver_sees_the_
     """It stands on section 6, and has given back what lies behind: that may be another's."""
     state = replace(ON_SIGHT, authority=replace(HOLDS_3, held=("6",)))
     after, _ = step(PLAN, replace(TIMES, release=rule), state, EndOfHeld(2), LOST, NOW_S)
-    request = after.authority.open(RequestKind.ROUTE)
+    request = after.authority.open(records.RequestKind.ROUTE)
     assert request is not None
     assert request.section_ids == (("6", "7", "8") if rule is ReleaseRule.SECTION else SECTIONS)
 
@@ -194,7 +179,7 @@ def test_halted_where_no_radio_reaches_it_runs_on_sight_to_where_it_hears(state:
     reached = moved(runs.place, covered=True)
     on, _ = step(PLAN, TIMES, runs, Looked(), reached, NOW_S)
     assert command_of(PLAN, on).drive  # by its own reckoning: it has yet to hear something
-    told, _ = step(PLAN, TIMES, on, TelegramHeard(ContestHeard(("8",))), reached, NOW_S)
+    told, _ = step(PLAN, TIMES, on, TelegramHeard(records.ContestHeard(("8",))), reached, NOW_S)
     assert not command_of(PLAN, told).drive
 
 
@@ -205,9 +190,9 @@ def test_halted_on_sight_it_goes_on_to_where_it_hears_when_it_has_heard_nothing(
     stopped = replace(LOST, emergency=True)
     authority = replace(HOLDS_REST, requests=(REPORT_OPEN,), mismatch="contested: 8")
     state = replace(ON_SIGHT, authority=authority, place=stopped, halted=True, released=False)
-    query = TelegramHeard(QueryHeard())
+    query = TelegramHeard(records.QueryHeard())
     listens, actions = step(PLAN, TIMES, state, TimerDue(RELEASE), stopped, NOW_S)
-    assert (command_of(PLAN, listens).drive, actions) == (False, (SetTimer(RELEASE, 30.0),))
+    assert (command_of(PLAN, listens).drive, actions) == (False, (records.SetTimer(RELEASE, 30.0),))
     heard, _ = step(PLAN, TIMES, listens, query, stopped, NOW_S)
     listens_again, _ = step(PLAN, TIMES, heard, TimerDue(RELEASE), stopped, NOW_S)
     assert not command_of(PLAN, listens_again).drive
@@ -217,9 +202,9 @@ def test_halted_on_sight_it_goes_on_to_where_it_hears_when_it_has_heard_nothing(
     assert (shown.drive, shown.on_sight, shown.within_section) == (True, True, True)
     runs = moved(LOST, stands=False)
     told, actions = step(PLAN, TIMES, seeks, query, runs, NOW_S)
-    assert SetTimer(RELEASE, 30.0) in actions
+    assert records.SetTimer(RELEASE, 30.0) in actions
     assert not command_of(PLAN, told).drive
-    agrees = ConfirmationHeard(HOLDS_REST.held, answers=True, newer=False)
+    agrees = records.ConfirmationHeard(HOLDS_REST.held, answers=True, newer=False)
     agreed, _ = step(PLAN, TIMES, seeks, TelegramHeard(agrees), runs, NOW_S)
     released, _ = step(PLAN, TIMES, agreed, TimerDue(RELEASE), LOST, NOW_S)
     shown = command_of(PLAN, released)
@@ -239,9 +224,9 @@ def test_what_waits_for_the_radio_is_said_when_anything_is_heard() -> None:
     state = replace(SIGNING_OFF, authority=replace(HOLDS_8, requests=(waits,)))
     shadow = moved(AT_B, covered=False)
     silent, actions = step(PLAN, TIMES, state, Looked(), shadow, NOW_S)
-    assert not any(isinstance(action, SendRequest) for action in actions)
-    _, actions = step(PLAN, TIMES, silent, TelegramHeard(QueryHeard()), shadow, NOW_S)
-    assert SendRequest(waits) in actions
+    assert not any(isinstance(action, records.SendRequest) for action in actions)
+    _, actions = step(PLAN, TIMES, silent, TelegramHeard(records.QueryHeard()), shadow, NOW_S)
+    assert records.SendRequest(waits) in actions
 
 
 EXAMPLES: Final[dict[type[Event], Event]] = {type(event): event for _, event, _, _, _ in CASES.values()}
@@ -259,7 +244,7 @@ def test_a_timer_of_the_authority_repeats_its_request(at: DutyPhase) -> None:
     state = STATES[at]
     (request,) = state.authority.requests
     assert step(PLAN, TIMES, state, TimerDue(request.timer), state.place, NOW_S) == (state, sent(request))
-    assert step(PLAN, TIMES, state, TelegramHeard(PeerRestarted()), state.place, NOW_S) == (
+    assert step(PLAN, TIMES, state, TelegramHeard(records.PeerRestarted()), state.place, NOW_S) == (
         state,
         sent(request),
     )
@@ -272,7 +257,7 @@ def test_points_count_as_entered_only_where_the_front_surely_is(sure: int) -> No
     proven = replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END)
     entered, _ = step(PLAN, TIMES, proven, Looked(), place, NOW_S)
     assert entered.entered == ({"5", "7"} if sure == 4 else {"5"})
-    lost = TelegramHeard(ProofHeard("P7", "B-W", None, mine=True))
+    lost = TelegramHeard(records.ProofHeard("P7", "B-W", None, mine=True))
     withdrawn, _ = step(PLAN, TIMES, entered, lost, place, NOW_S)
     assert withdrawn.limit == (TO_THE_END if sure == 4 else BEFORE_7)
 
@@ -382,12 +367,13 @@ def test_what_must_be_swept_is_shown() -> None:
             "route 3>8: held: 6",
         ),
         (
-            replace(RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7),))),
+            replace(RUNNING, authority=replace(HOLDS_REST, commands=(records.OpenCommand(P7),))),
             "points P7: not proven",
         ),
         (
             replace(
-                RUNNING, authority=replace(HOLDS_REST, mismatch="contested: 7", commands=(OpenCommand(P7),))
+                RUNNING,
+                authority=replace(HOLDS_REST, mismatch="contested: 7", commands=(records.OpenCommand(P7),)),
             ),
             "agreement with the block manager: contested: 7",
         ),
@@ -412,13 +398,13 @@ def test_a_train_says_what_it_waits_for(state: DutyState, words: str) -> None:
 def test_who_is_given_its_whole_route_with_its_sign_on_throws_the_departure_points() -> None:
     """It started again before its portal, with the route in hand: it asks for nothing, so nothing is granted."""
     waits = replace(SIGNING_ON, may_ask=True)
-    event = TelegramHeard(SignOnHeard(("3", *SECTIONS), ("5", "7"), answers=True, newer=True))
+    event = TelegramHeard(records.SignOnHeard(("3", *SECTIONS), ("5", "7"), answers=True, newer=True))
     after, actions = step(PLAN, TIMES, waits, event, AT_A, NOW_S)
     assert after.phase is DutyPhase.STANDING
-    assert SendCommand(P5) in actions
-    assert SendCommand(P7) not in actions  # thrown at the approach tag
+    assert records.SendCommand(P5) in actions
+    assert records.SendCommand(P7) not in actions  # thrown at the approach tag
     again, more = step(PLAN, TIMES, after, TimerDue(LEAVE), AT_A, NOW_S)
-    assert SendCommand(P5) not in more  # it is under way
+    assert records.SendCommand(P5) not in more  # it is under way
     assert again.authority.commands == after.authority.commands
 
 
@@ -450,13 +436,13 @@ def test_standing_it_gives_back_what_it_holds_of_a_route_that_it_does_not_hold_w
     """The register has given it so much after a boot, or a false claim; it would keep others from it for ever."""
     place, held, kept = STRAY[name]
     phase = DutyPhase.STANDING if place.here == 0 else DutyPhase.RUNNING
-    state = DutyState(phase, place, Authority(held=held, on_line=True), limit=BEFORE_5)
+    state = DutyState(phase, place, records.Authority(held=held, on_line=True), limit=BEFORE_5)
     after, actions = step(PLAN, TIMES, state, Looked(), place, NOW_S)
     assert after.authority.held == kept
     said = [
         a.request.section_ids
         for a in actions
-        if isinstance(a, SendRequest) and a.request.ask is RequestKind.REPORT
+        if isinstance(a, records.SendRequest) and a.request.ask is records.RequestKind.REPORT
     ]
     assert said == ([] if kept == held else [kept])
 
@@ -466,10 +452,10 @@ def test_as_it_changes_ends_what_it_stands_in_is_not_ahead_of_its_place_on_the_w
     assert after.authority.held == HOLDS_8.held
 
 
-def booted_at(stop: int, *beside: str) -> Authority:
+def booted_at(stop: int, *beside: str) -> records.Authority:
     """What a unit goes on holding that is switched on at a stop and told that it holds its whole route, and these."""
     state, _ = step(PLAN, TIMES, DutyState(), SwitchedOn(PLAN, stop, epoch=2), PlaceInJoints(), NOW_S)
-    told = TelegramHeard(SignOnHeard(("3", *SECTIONS, *beside), ("5", "7"), answers=True, newer=True))
+    told = TelegramHeard(records.SignOnHeard(("3", *SECTIONS, *beside), ("5", "7"), answers=True, newer=True))
     return step(PLAN, TIMES, state, told, PlaceInJoints(), NOW_S)[0].authority
 
 

@@ -37,10 +37,8 @@ def test_the_way_ordered_is_taken_up() -> None:
         (ORDERED, replace(way("2"), number="T9")),
         (replace(ORDERED, phase=DutyPhase.RUNNING), way("2")),
         (replace(ORDERED, authority=HOLDS_3), way("2")),  # its request was answered meanwhile
-        (
-            replace(ORDERED, place=moved(ORDERED.place, perhaps=4)),
-            way("2"),
-        ),  # it may be on the points already
+        # it may be on the points already
+        (replace(ORDERED, place=moved(ORDERED.place, perhaps=4)), way("2")),
     ],
 )
 def test_no_other_is(state: orders.DutyState, other: DutyPlan) -> None:

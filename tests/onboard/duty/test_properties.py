@@ -82,9 +82,8 @@ def check_holds_what_was_granted(before: ExploredRun, step: Step) -> None:
             assert gained <= set(step.event.event.section_ids)
         case Begin(signs_on=True):
             assert gained <= {step.event.plan.spans[0].section_id}
-        case _ if (
-            not before.state.authority.on_line and step.run.known
-        ):  # what a unit claims that knows where it is
+        # what a unit claims that knows where it is
+        case _ if not before.state.authority.on_line and step.run.known:
             assert gained in (set(), set(step.run.under))
         case _:
             assert not gained

@@ -99,9 +99,8 @@ def test_the_front_is_inside_whichever_axle_lies_and_however(
     pieces: list[tuple[float, float]], lie: Shows, last_lies: bool, off: float, begins_mps: float
 ) -> None:
     ride = Ride(begins_mps)
-    ride.unit.bound_growth = VARIES + abs(
-        off
-    )  # what the one in order varies by, and what hides below the doubt
+    # what the one in order varies by, and what hides below the doubt
+    ride.unit.bound_growth = VARIES + abs(off)
     sound = times(1.0 + off)
     tachometer, last = (sound, lie) if last_lies else (lie, sound)
     for mps2, seconds in pieces:

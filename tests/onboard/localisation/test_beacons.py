@@ -142,9 +142,8 @@ def test_bounded_the_same_slip_misleads_the_estimate_and_leaves_the_bounds() -> 
 def test_bounded_a_beacon_where_the_bounds_do_not_reach_is_refused_and_the_right_one_taken() -> None:
     on = ride()
     on.run_to(B_M - 40.0, (A_M,))
-    assert on.run_to(B_M - 20.0, (B_M - 30.0,)) == [
-        REFUSED
-    ]  # in the window of 44 m, where the train cannot be yet
+    # in the window of 44 m, where the train cannot be yet
+    assert on.run_to(B_M - 20.0, (B_M - 30.0,)) == [REFUSED]
     assert on.run_to(B_M + 10.0, (B_M,)) == [TAKEN]
     assert abs(on.error_m) < 1.0
 

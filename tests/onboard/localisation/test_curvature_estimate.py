@@ -106,9 +106,8 @@ def seen_with_a_jump(own: CurvatureRow, first: int, jump_radps: float) -> np.nda
     own.rises[:] = step_response(np.array(own.numbers))
     own.span = SPAN_M
     own.slow_s_per_m[:] = 0.1
-    known = np.interp(
-        np.arange(float(SEEN_M + SPAN_M)), [0.0, 318.0, 340.0], [0.0, 0.0, 5e-4]
-    )  # the curve begins before the map ends
+    # the curve begins before the map ends
+    known = np.interp(np.arange(float(SEEN_M + SPAN_M)), [0.0, 318.0, 340.0], [0.0, 0.0, 5e-4])
     step = np.zeros(SEEN_M)
     step[first:] = 0.1 * jump_radps
     kept = np.zeros(4)

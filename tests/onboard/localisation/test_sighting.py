@@ -77,9 +77,8 @@ def test_the_true_front_stays_within_the_bounds(
 
 def test_what_cannot_be_is_not_believed(unit: UnitRow) -> None:
     stands_at(unit, 450.0, 1.0)
-    assert (
-        sign(going_by_sign().sign, frame(30.0).sign, unit, CHART, STEP_S) == REFUSED
-    )  # it would be at 480 m
+    # it would be at 480 m
+    assert sign(going_by_sign().sign, frame(30.0).sign, unit, CHART, STEP_S) == REFUSED
     assert unit.position_m == 450.0
 
 

@@ -55,9 +55,8 @@ def test_centroid_of_a_disc(row: int, column: int, radius: int) -> None:
     cv2.circle(image, (column, row), radius, CYAN, thickness=-1)
     cluster = largest_cluster(image, left_px=300, top_px=500)
     assert cluster is not None
-    assert cluster.row_px == pytest.approx(
-        500 + row + 0.5, abs=0.05
-    )  # a pixel's middle is half past its index
+    # a pixel's middle is half past its index
+    assert cluster.row_px == pytest.approx(500 + row + 0.5, abs=0.05)
     assert cluster.column_px == pytest.approx(300 + column + 0.5, abs=0.05)
     assert cluster.area_px == pytest.approx(np.pi * radius**2, rel=0.2)
 
@@ -182,9 +181,8 @@ def test_beyond_the_table_nothing_is_searched() -> None:
 
 
 def test_equation_1() -> None:
-    assert frame_rate_error_m(40.0 / 3.6, 52.0) == pytest.approx(
-        0.2137, abs=1e-4
-    )  # 40 km/h at 52 frames a second
+    # 40 km/h at 52 frames a second
+    assert frame_rate_error_m(40.0 / 3.6, 52.0) == pytest.approx(0.2137, abs=1e-4)
     assert frame_rate_error_m(0.0, 52.0) == 0.0
 
 

@@ -63,9 +63,8 @@ def test_all_come_and_none_is_under_a_lowered_barrier(with_road: WithRoad) -> No
     late = [t_s for t_s, _ in run.entries(1900.0) if any(a + 1.0 < t_s <= b + RISING_S for a, b in closures)]
     assert late == []
     came = [v for v in road_vehicles([road_at(road)], 1, (), 0.0, 1799.0) if v.depart_s < 1800.0]
-    assert (
-        sum(t.passages for t in run.road.totals.of.values()) >= len(came) - 15
-    )  # some are still on their way
+    # some are still on their way
+    assert sum(t.passages for t in run.road.totals.of.values()) >= len(came) - 15
 
 
 def test_an_open_crossing_stops_nobody(with_road: WithRoad) -> None:

@@ -8,26 +8,7 @@ from itertools import pairwise
 from types import MappingProxyType
 
 from network.model import Position
-from simulation.events import (
-    MANAGER,
-    WORLD,
-    Accepted,
-    Barred,
-    BarrierState,
-    ConfirmedByHand,
-    CrossingBarriers,
-    CrossingLamps,
-    Event,
-    Freed,
-    Granted,
-    Holds,
-    JournalEntry,
-    Outside,
-    PictureChanged,
-    Proven,
-    Started,
-    TookEffect,
-)
+from simulation import events
 from simulation.judge.checkers import Checker, Checkers, GuaranteedBrake, PointsFacts
 from simulation.judge.crossings import CrossingFacts
 from simulation.judge.entering import TrackOverlap
@@ -50,9 +31,8 @@ POINTS = {
 }
 TRAIN_M = 40.0
 DESIGN = 0.8
-OVERLAPS = {
-    "T1+": TrackOverlap(stops_at_m=200.0, overlap_m=100.0)
-}  # points 2 begin 60 m beyond a train's stop on T1
+# points 2 begin 60 m beyond a train's stop on T1
+OVERLAPS = {"T1+": TrackOverlap(stops_at_m=200.0, overlap_m=100.0)}
 PILOTS = {"B": before_entry(Regime.TELEPHONE)}
 CROSSINGS = {  # in W and E, each 6 m of road, with barriers and without
     "W": CrossingFacts({"W+": 250.0, "W-": 44.0}, True, 25.0, 15.0),
@@ -97,49 +77,53 @@ class Stage:
         self.t_s = 0.0
         self.token = 0
 
-    def entry(self, who: str, event: Event) -> Stage:
+    def entry(self, who: str, event: events.Event) -> Stage:
         self.t_s += 1.0
-        self.checkers.journal(JournalEntry(self.t_s, who, event))
+        self.checkers.journal(events.JournalEntry(self.t_s, who, event))
         return self
 
-    def world(self, event: Event) -> Stage:
-        return self.entry(WORLD, event)
+    def world(self, event: events.Event) -> Stage:
+        return self.entry(events.WORLD, event)
 
     def accept(self, unit: str, *sections: str) -> Stage:
-        return self.entry(MANAGER, Accepted(unit_id=unit, section_ids=sections, token=0, was="unknown"))
+        return self.entry(
+            events.MANAGER, events.Accepted(unit_id=unit, section_ids=sections, token=0, was="unknown")
+        )
 
     def by_hand(self, unit: str, *sections: str) -> Stage:
-        return self.entry(MANAGER, ConfirmedByHand(unit_id=unit, section_ids=sections, token=0, by="Sato"))
+        return self.entry(
+            events.MANAGER, events.ConfirmedByHand(unit_id=unit, section_ids=sections, token=0, by="Sato")
+        )
 
     def bar(self, unit: str) -> Stage:
-        return self.entry(MANAGER, Barred(unit_id=unit, by="Sato"))
+        return self.entry(events.MANAGER, events.Barred(unit_id=unit, by="Sato"))
 
     def defined(self) -> Stage:
-        return self.entry(MANAGER, PictureChanged(stage="defined", inputs=0))
+        return self.entry(events.MANAGER, events.PictureChanged(stage="defined", inputs=0))
 
     def free(self, unit: str, *sections: str) -> Stage:
-        return self.entry(MANAGER, Freed(unit_id=unit, section_ids=sections))
+        return self.entry(events.MANAGER, events.Freed(unit_id=unit, section_ids=sections))
 
     def outside(self, unit: str) -> Stage:
-        return self.entry(MANAGER, Outside(unit_id=unit))
+        return self.entry(events.MANAGER, events.Outside(unit_id=unit))
 
     def restart_manager(self) -> Stage:
-        return self.entry(MANAGER, Started(epoch=2))
+        return self.entry(events.MANAGER, events.Started(epoch=2))
 
     def grant(self, unit: str, *sections: str, token: int | None = None) -> Stage:
         self.token = self.token + 1 if token is None else token
-        granted = Granted(unit_id=unit, route_id="r", section_ids=sections, token=self.token)
-        return self.entry(MANAGER, granted)
+        granted = events.Granted(unit_id=unit, route_id="r", section_ids=sections, token=self.token)
+        return self.entry(events.MANAGER, granted)
 
     def holds(self, unit: str, *sections: str) -> Stage:
-        return self.entry(unit, Holds(section_ids=sections, token=self.token))
+        return self.entry(unit, events.Holds(section_ids=sections, token=self.token))
 
     def shut(self, crossing: str, closing_s: float, closed_s: float) -> Stage:
         """A level crossing warns, is closed after that time, and has been for the other when the next act begins."""
-        self.world(CrossingLamps(crossing_id=crossing, lit=True))
+        self.world(events.CrossingLamps(crossing_id=crossing, lit=True))
         if closing_s:
             self.t_s += closing_s - 1.0
-            self.world(CrossingBarriers(crossing_id=crossing, state=BarrierState.LOWERED))
+            self.world(events.CrossingBarriers(crossing_id=crossing, state=events.BarrierState.LOWERED))
         self.t_s += closed_s - 1.0
         return self
 
@@ -158,7 +142,7 @@ class Stage:
 
     def prove(self, unit: str, points: str, position: str, token: int | None = None) -> Stage:
         token = self.token if token is None else token
-        return self.entry(unit, Proven(points_id=points, position=Position(position), token=token))
+        return self.entry(unit, events.Proven(points_id=points, position=Position(position), token=token))
 
     def bounds(self, true_m: float, behind_m: float, ahead_m: float) -> Stage:
         self.checkers.bounds(self.t_s, "A", true_m, 1000.0, behind_m, ahead_m)
@@ -167,7 +151,7 @@ class Stage:
     def effect(self, receiver: str, epoch: int, sequence: int) -> Stage:
         return self.entry(
             receiver,
-            TookEffect(
+            events.TookEffect(
                 source="S",
                 receiver=receiver,
                 epoch=epoch,

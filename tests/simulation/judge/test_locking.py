@@ -38,9 +38,8 @@ def test_who_does_not_brake_as_is_guaranteed_is_not_excused() -> None:
     assert enter(lost_at(250.0), 4.8).broken() == ENTRY
     late = lost_at(250.0).see("A", ("W+", 280.0), speed_mps=9.0)  # 7.7 m/s at most, 30 m on
     assert enter(late, 4.4).broken() == ENTRY
-    assert (
-        lost_at(250.0).see("A", ("W+", 280.0), speed_mps=9.0).broken() == set()
-    )  # it may yet stop before them
+    # it may yet stop before them
+    assert lost_at(250.0).see("A", ("W+", 280.0), speed_mps=9.0).broken() == set()
 
 
 def test_within_the_reaction_time_it_may_gain_as_it_did_before() -> None:

@@ -9,9 +9,8 @@ from simulation.judge.speed import LimitBetween, RunSince, SpeedWatch, TrueLimit
 from tests.simulation.judge.stage import Stage, net
 
 STEP_S = 0.1
-ALLOWED_MPS = (
-    15.0 + 2.0 + 1.0
-)  # the emergency brake comes 2 m/s above a limit, and a train gains 1 m/s until it acts
+# the emergency brake comes 2 m/s above a limit, and a train gains 1 m/s until it acts
+ALLOWED_MPS = 15.0 + 2.0 + 1.0
 
 
 def ran(stage: Stage, at_s: float, front_m: float, *stretch: tuple[int, float]) -> list[tuple[float, str]]:

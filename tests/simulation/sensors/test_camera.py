@@ -60,9 +60,8 @@ def seen(renderer: Renderer, scene: Scene, shot: Shot | None = None) -> Cluster 
 
 def test_the_papers_lens() -> None:
     assert PAPER_CAMERA.focal_px == pytest.approx(3.4e-3 / 3.75e-6)
-    assert math.degrees(math.atan(640 / PAPER_CAMERA.focal_px)) == pytest.approx(
-        35.0, abs=0.5
-    )  # 3.2.2: 35 deg
+    # 3.2.2: 35 deg
+    assert math.degrees(math.atan(640 / PAPER_CAMERA.focal_px)) == pytest.approx(35.0, abs=0.5)
 
 
 @pytest.mark.parametrize("distance_m", TABLE_2_PX)

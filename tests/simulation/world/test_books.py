@@ -18,9 +18,8 @@ from simulation.world.trains import Trains
 MARK_B_M = 660.0  # km 1.02 on a path that begins at km 0.36; the track of B ends at 690 m
 
 
-REAR_AT_PLATFORM_M = (
-    965.0 + 40.0 - 1020.0
-)  # platform of B, train and mark: where the whole train is alongside
+# platform of B, train and mark: where the whole train is alongside
+REAR_AT_PLATFORM_M = 965.0 + 40.0 - 1020.0
 
 
 class Desk:

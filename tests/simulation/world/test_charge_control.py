@@ -152,9 +152,8 @@ def test_a_limit_on_regeneration_binds_and_the_air_brake_does_the_rest() -> None
     assert held["energy_rejected_j"][0] > 0.2 * free["energy_regenerated_j"][0]
     assert held["energy_friction_j"][0] > free["energy_friction_j"][0]
     assert held["travelled_m"][0] == pytest.approx(free["travelled_m"][0], abs=1e-6)
-    assert own["flows"]["spilled_j"][0] == pytest.approx(
-        0.0, abs=1.0
-    )  # the motors are held, nothing is given back in vain
+    # the motors are held, nothing is given back in vain
+    assert own["flows"]["spilled_j"][0] == pytest.approx(0.0, abs=1.0)
 
 
 # a stand without a charger -------------------------------------------------------------------------------------------

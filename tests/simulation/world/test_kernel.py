@@ -8,19 +8,9 @@ from network.profile import PROFILE
 from onboard.records import EVENT_MOVING, EVENT_STOPPED, MODE_DRIVE, MODE_HOLD
 from simulation.carriers.plain_track import PlainTrack
 from simulation.setup import STEP_S, Setup, unit_configs
+from simulation.world import records
 from simulation.world.kernel import advance, new_sheet, passed_in_step, track_under
 from simulation.world.on_board import OnBoard
-from simulation.world.records import (
-    PASSED_CROSSING,
-    PASSED_FROM_A_STAND,
-    PASSED_FRONT,
-    PASSED_REAR,
-    PASSED_TAG,
-    PASSED_TO_A_STAND,
-    TRACE,
-    TRUTH,
-    TruthRow,
-)
 from simulation.world.roster import draw_up
 from simulation.world.trains import Trains
 
@@ -46,7 +36,7 @@ class Bench:
         )
         unit.expected_tag_m = unit.rear_trigger_m = unit.position_trigger_m = unit.restricted_mps = np.inf
         self.sheet = new_sheet(1)
-        self.trace = np.zeros(5000, dtype=TRACE)
+        self.trace = np.zeros(5000, dtype=records.TRACE)
         self.used, self.step = 0, 0
         self.seen: list[int] = []
 
@@ -61,14 +51,14 @@ class Bench:
         self.step += done
         trains.compare([0], [trains.carrier.truth("K1")])
         self.passed, events = int(self.sheet.passed[0]), int(self.sheet.events[0])
-        if self.passed & PASSED_TAG:
+        if self.passed & records.PASSED_TAG:
             tag_id, _, odometer_m = trains.read_tag(0)
             self.seen.append(tag_id)
             tag_m = trains.pool.tag_positions_m[int(trains.truths[0].tag_next) - 1]
             # By the true circumference the wheel had run to the tag; the reader errs by 0.2 m at the most.
             run_m = (odometer_m - self.first_odometer_m) * float(trains.tachometers[0].wheel_factor)
             assert run_m == pytest.approx(tag_m - 80.0, abs=0.25)
-        if self.passed & (PASSED_FRONT | PASSED_REAR):
+        if self.passed & (records.PASSED_FRONT | records.PASSED_REAR):
             trains.set_boundaries(0)
         return events
 
@@ -82,8 +72,8 @@ def test_the_carrier_executes_what_the_kernel_ran_ahead(rtri_setup: Setup) -> No
     events = 0
     for _ in range(400):
         events = bench.advance()
-        fronts += bench.passed & PASSED_FRONT > 0
-        rears += bench.passed & PASSED_REAR > 0
+        fronts += bench.passed & records.PASSED_FRONT > 0
+        rears += bench.passed & records.PASSED_REAR > 0
         if events & EVENT_STOPPED:
             break
     assert events & EVENT_STOPPED
@@ -104,11 +94,11 @@ def test_standing_and_going_are_told_by_the_truth(rtri_setup: Setup) -> None:
         unit_events |= bench.advance()
         events = bench.passed
         now_mps = float(bench.trains.plants[0].speed_mps)
-        assert bool(events & PASSED_FROM_A_STAND) == (
-            before_mps == 0.0 < now_mps and events & PASSED_TO_A_STAND == 0
+        assert bool(events & records.PASSED_FROM_A_STAND) == (
+            before_mps == 0.0 < now_mps and events & records.PASSED_TO_A_STAND == 0
         )
-        went += [bench.step] if events & PASSED_FROM_A_STAND else []
-        stood += [bench.step] if events & PASSED_TO_A_STAND else []
+        went += [bench.step] if events & records.PASSED_FROM_A_STAND else []
+        stood += [bench.step] if events & records.PASSED_TO_A_STAND else []
         before_mps = now_mps
         if now_mps > 3.0:
             bench.trains.truths[0].powered = 0  # the emergency brake brings it to a stand
@@ -158,8 +148,8 @@ def test_a_stock_off_the_line_is_left_alone(rtri_setup: Setup) -> None:
     assert np.array_equal(bench.trains.stock, before)
 
 
-def truth_at(position_m: float, rows: int) -> TruthRow:
-    row: TruthRow = np.zeros(1, dtype=TRUTH).view(np.recarray)[0]
+def truth_at(position_m: float, rows: int) -> records.TruthRow:
+    row: records.TruthRow = np.zeros(1, dtype=records.TRUTH).view(np.recarray)[0]
     row.position_m, row.profile_rows = position_m, rows
     row.front_boundary_m = row.rear_boundary_m = row.sign_m = row.crossing_m = np.inf
     return row
@@ -186,16 +176,16 @@ def test_what_front_and_rear_pass() -> None:
     truth = truth_at(100.4, 300)
     truth.tag_end = 2
     truth.front_boundary_m, truth.rear_boundary_m = 100.4, 60.5
-    assert passed_in_step(truth, tags_m, 40.0) == PASSED_TAG | PASSED_FRONT
+    assert passed_in_step(truth, tags_m, 40.0) == records.PASSED_TAG | records.PASSED_FRONT
     truth.tag_next, truth.front_boundary_m, truth.rear_boundary_m = 1, np.inf, 60.4
-    assert passed_in_step(truth, tags_m, 40.0) == PASSED_REAR
+    assert passed_in_step(truth, tags_m, 40.0) == records.PASSED_REAR
     truth.tag_next = 2
     truth.position_m, truth.rear_boundary_m = 200.0, np.inf
     assert passed_in_step(truth, tags_m, 40.0) == 0  # no tag left
     truth.crossing_m = 200.1
     assert passed_in_step(truth, tags_m, 40.0) == 0
     truth.crossing_m = 200.0
-    assert passed_in_step(truth, tags_m, 40.0) == PASSED_CROSSING
+    assert passed_in_step(truth, tags_m, 40.0) == records.PASSED_CROSSING
 
 
 def test_stock_that_stood_without_driving_tells_the_carrier_how_it_begins_to_move(rtri_setup: Setup) -> None:
@@ -205,7 +195,7 @@ def test_stock_that_stood_without_driving_tells_the_carrier_how_it_begins_to_mov
     unit.mode = MODE_HOLD
     plant.traction_built_n = 2.0e5
     bench.advance()
-    assert bench.passed & PASSED_FROM_A_STAND
+    assert bench.passed & records.PASSED_FROM_A_STAND
     (course,) = bench.course  # no mover as the stretch begins
     assert len(course) == bench.step
     assert course[-1] == plant.speed_mps > 0.0

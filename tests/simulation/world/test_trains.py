@@ -104,9 +104,8 @@ def test_changing_ends(placed: Trains, rtri_setup: Setup) -> None:
     assert placed.direction(0) is Direction.UP
     assert placed.kilometrage_m(0) == pytest.approx(980.0)
     assert truth.position_m == pytest.approx(70.0)
-    assert np.array_equal(
-        placed.stock["board"]["unit"], unit
-    )  # what its unit believes is the unit's own affair
+    # what its unit believes is the unit's own affair
+    assert np.array_equal(placed.stock["board"]["unit"], unit)
     placed.compare([0], [placed.carrier.truth("K1")])
     assert placed.pool.tag_ids[truth.tag_next] == 851
 

@@ -22,12 +22,8 @@ from tests.system.chaos.ground import Call, Planned
 KM = {"A": 0.0, "L": 6.0, "M": 11.0, "B": 15.0}
 RUN_S = {"A": 420, "L": 360, "M": 300}  # down, from the station on; planned with room
 DWELL_S = {"L": 60, "M": 60}
-STARTS_S = {
-    "1": 36_000,
-    "3": 39_600,
-    "4": 43_200,
-    "6": 46_800,
-}  # of 2 and 5: so that they meet 1 and 4 in the loop
+# of 2 and 5: so that they meet 1 and 4 in the loop
+STARTS_S = {"1": 36_000, "3": 39_600, "4": 43_200, "6": 46_800}
 
 
 def train(number: str, starts_s: int, loop: str) -> Planned:

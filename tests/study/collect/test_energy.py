@@ -42,9 +42,8 @@ DAY: Final = (
     record("T1", EnergyPhase.LAYOVER, "B", (180.0, 400.0), (0.0, 0.0, 2.0)),
     record("T2", EnergyPhase.LAYOVER, "B", (400.0, 500.0), (0.0, 0.0, 1.0)),
     record("T2", EnergyPhase.RUNNING, "B-P", (500.0, 600.0), (6.0, 1.0, 1.0), 2000.0),
-    record(
-        "T2", EnergyPhase.HELD, "P", (600.0, 610.0), (0.0, 0.0, 0.1)
-    ),  # it stands in the portal and leaves
+    # it stands in the portal and leaves
+    record("T2", EnergyPhase.HELD, "P", (600.0, 610.0), (0.0, 0.0, 0.1)),
 )
 
 

@@ -170,9 +170,8 @@ def test_every_part_of_a_report_has_its_title_and_what_it_says_of_tables_in_japa
     parts = parts_against(moved, graphs=False)
     assert len(parts) >= 3
     assert not any(part.title_ja.isascii() for part in parts)
-    assert not any(
-        part.caption and part.caption_ja.isascii() for part in parts[1:]
-    )  # the first one's is the verdict
+    # the first one's is the verdict
+    assert not any(part.caption and part.caption_ja.isascii() for part in parts[1:])
 
 
 def test_parts_of_runs_that_do_not_differ_are_one(weekday: ReportedRun) -> None:

@@ -132,9 +132,7 @@ def test_a_place_is_a_station_with_tracks_or_what_it_is_between() -> None:
     line = load_line(shipped_line("karasuyama"))
     track = line.pieces[line.stations["OGN"].tracks[0].piece_id]
     assert place_at(line, (track.from_m + track.to_m) / 2) == ("OGN",)
-    assert place_at(line, line.stations["NIT"].position_m + 10.0) == (
-        "NIT",
-        "KNY",
-    )  # a halt has no track of its own
+    # a halt has no track of its own
+    assert place_at(line, line.stations["NIT"].position_m + 10.0) == ("NIT", "KNY")
     assert place_at(line, -10_000.0) == ("HSK",)
     assert place_at(line, 99_000.0) == ("KRS",)

@@ -104,9 +104,8 @@ def test_a_copy_beside_the_drills_own_faults_is_the_run_of_its_replay_to_the_byt
         file.write_text(text, "utf-8")
         result = drill_on_plain(file).run.result
         assert result.courses[0].item == drill.setup.script.faults[0]
-        assert (
-            len([c for c in result.courses if isinstance(c.item, ScriptedFault)]) > 1
-        )  # the drill's own, and this one
+        # the drill's own, and this one
+        assert len([c for c in result.courses if isinstance(c.item, ScriptedFault)]) > 1
         assert result.digest == swept.outcomes[variation.name][step].digest
 
 

@@ -224,7 +224,6 @@ def test_of_trains_cut_by_order_it_is_not_said_that_all_arrived() -> None:
     swept = swept_run_of(done, Script())
     assert (swept.kind, swept.late_s) == (OutcomeKind.LATE, 90.0)
     assert swept.label == "all arrive, late, but for what was cancelled"
-    stuck = result_of(
-        trains_arrived=(), **cut
-    )  # T2 begins at B, as it was told to, and never comes to its end
+    # T2 begins at B, as it was told to, and never comes to its end
+    stuck = result_of(trains_arrived=(), **cut)
     assert verdict(everyone, stuck) == (False, "1 train did not arrive: T2")

@@ -66,8 +66,5 @@ def test_every_figure_is_told_as_soon_as_it_is_there(monkeypatch: pytest.MonkeyP
         f": {way}: {10 + k}.00 cpu s" in text
         for k, (way, (_, text)) in enumerate(zip(ran, told, strict=True), 1)
     )
-    assert [row["cpu_s"] for row in found["rows"]] == [
-        14.0,
-        15.0,
-        13.0,
-    ]  # medians of 11, 14, 16 and of 12, 15, 17
+    # medians of 11, 14, 16 and of 12, 15, 17
+    assert [row["cpu_s"] for row in found["rows"]] == [14.0, 15.0, 13.0]

@@ -86,10 +86,8 @@ def test_without_the_loop_each_of_these_meets_is_impossible() -> None:
     found = feasibility(load_scenario("karasuyama_without_loop").setup)
     meets = [f for f in found.not_as_printed if f.kind is FindingKind.OPPOSING]
     assert [f.trains for f in meets] == [(m.down_train, m.up_train) for m in wanted]
-    assert [f.severity for f in meets] == [
-        Severity.IMPOSSIBLE,
-        *[Severity.LATE] * 9,
-    ]  # the first never goes on
+    # the first never goes on
+    assert [f.severity for f in meets] == [Severity.IMPOSSIBLE, *[Severity.LATE] * 9]
     assert [f.kind for f in found.impossible] == [FindingKind.OPPOSING, FindingKind.CIRCLE]
     assert not any(meet.possible for meet in found.meets)
     assert found.impossible[0].sentence == (
@@ -211,9 +209,8 @@ def test_a_day_without_fault_is_on_time_when_played_through() -> None:
     setup = good().setup()
     rehearsal = Rehearsal(setup, planned_day(setup))
     assert rehearsal.waits == []
-    assert (
-        max(one.late_s for one in rehearsal.late if not one.leaves) < 0.0
-    )  # trains aim to be there a little early
+    # trains aim to be there a little early
+    assert max(one.late_s for one in rehearsal.late if not one.leaves) < 0.0
     assert max(one.late_s for one in rehearsal.late if one.leaves) == 0.0
 
 

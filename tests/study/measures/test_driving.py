@@ -74,11 +74,8 @@ def test_hops_worked_out_by_hand() -> None:
     assert two.jerk_rms_mps3 == pytest.approx((4.0 / 200.0) ** 0.5)
     assert two.coasting_way_percent == pytest.approx(100.0 * 400.0 / 1500.0)
     assert (two.late_s, two.stop_error_m) == (2.0, None)
-    assert (three.law, three.running_kwh, three.late_s) == (
-        "follow_plan",
-        5.0,
-        None,
-    )  # from resistors nothing
+    # from resistors nothing
+    assert (three.law, three.running_kwh, three.late_s) == ("follow_plan", 5.0, None)
 
 
 def test_hops_together() -> None:

@@ -109,9 +109,8 @@ def weekday_legs() -> dict[tuple[str, str], PlannedLeg]:
 def test_planned_times_leave_the_least_dwell(weekday_legs: dict[tuple[str, str], PlannedLeg]) -> None:
     """321M leaves Shimotsuke-Hanaoka at 05:43, comes to Niita and leaves it at 05:46; 20 s is the least dwell."""
     assert weekday_legs["321M", "SHN"].planned_s == 3 * 60 - 20
-    assert (
-        weekday_legs["321M", "HSK"].planned_s == 5 * 60
-    )  # a minute at Shimotsuke-Hanaoka is more than enough
+    # a minute at Shimotsuke-Hanaoka is more than enough
+    assert weekday_legs["321M", "HSK"].planned_s == 5 * 60
     assert weekday_legs["321M", "TAK"].planned_s == 5 * 60  # it ends at Karasuyama
     assert len(weekday_legs) == 27 * 7 + 2  # the empty working calls at Ogane alone
 
@@ -156,11 +155,8 @@ def test_what_never_ran_is_as_late_as_the_run_may_last(make_stops: MakeStops) ->
     """T1 comes to B 5 s before its time and stands there, T3 never runs: of the three hops one is better than none."""
     stops = make_stops([("T1", "A", None, 101.0), ("T1", "B", 195.0, None)])
     assert margins_of(legs(), stops, 1000.0)["left_s"].to_list() == [5.0, 520.0 - 1000.0, 500.0 - 1000.0]
-    assert margins_of(legs(), stops, 510.0)["left_s"].to_list() == [
-        5.0,
-        None,
-        500.0 - 510.0,
-    ]  # C is not due yet
+    # C is not due yet
+    assert margins_of(legs(), stops, 510.0)["left_s"].to_list() == [5.0, None, 500.0 - 510.0]
     cut = make_stops([("T1", "C", None, None)]).with_columns(late_arrival_s=180.0, cancelled=True)
     assert margins_of(legs(), pl.concat([stops, cut]), 510.0)["left_s"].to_list() == [5.0, -180.0, -10.0]
 

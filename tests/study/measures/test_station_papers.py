@@ -163,9 +163,8 @@ def test_what_never_came_is_in_the_papers_of_a_station_as_it_was_planned(
     assert stays.select(
         "train", "next_train", "track", "planned_from_s", "planned_to_s", "from_s"
     ).rows() == [("1D", "2U", "1", H5 + 57 * 60, H6 + 5 * 60, None)]
-    until_six = station_timetable(
-        stops[:2], line, timetable, H6
-    )  # what the run was too short for is not missing
+    # what the run was too short for is not missing
+    until_six = station_timetable(stops[:2], line, timetable, H6)
     assert until_six.filter(pl.col("station") == "OGN")["train"].to_list() == ["1D"]
 
 

@@ -33,15 +33,8 @@ OWN = (
     "short",
 )
 OF_EVERY_WAIT = {"asked", "until_at", "until", "since", "party", "points", "train"}
-PLACED = {
-    "who",
-    "place",
-    "seconds",
-    "unit",
-    "section",
-    "kmh",
-    *"0123456",
-}  # by lists, whose English is a name
+# by lists, whose English is a name
+PLACED = {"who", "place", "seconds", "unit", "section", "kmh", *"0123456"}
 
 
 def sources() -> Iterator[tuple[str, ast.Module]]:

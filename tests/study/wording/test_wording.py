@@ -26,17 +26,7 @@ from radio import messages
 from radio.envelope import DropReason
 from radio.noted import Noted
 from scenario.scenario import load_scenario
-from simulation.events import (
-    EVENTS,
-    BatteryAt,
-    BatteryLevel,
-    Collision,
-    Danger,
-    EventType,
-    FaultBegan,
-    FaultOver,
-    word_of,
-)
+from simulation import events
 from simulation.faults.script import ActKind, Expectation, Property, ScriptedFault, matcher_of
 from simulation.faults.table import FAULTS
 from simulation.judge.checkers import Checker
@@ -94,21 +84,21 @@ def example(kind: Any, name: str) -> Any:  # noqa: ANN401 - of the field's type
     return values.get(kind, {})
 
 
-def made(event: EventType) -> Noted:
+def made(event: events.EventType) -> Noted:
     fields = {field.name: example(field.type, field.name) for field in msgspec.structs.fields(event)}
-    if event in (FaultBegan, FaultOver):
+    if event in (events.FaultBegan, events.FaultOver):
         fields["kind"] = "cut"
     return event(**fields)
 
 
 @pytest.mark.parametrize("event", EVENT_WORDINGS, ids=lambda event: event.__name__)
-def test_every_event_that_is_told_is_told_in_japanese_with_all_that_it_says(event: EventType) -> None:
+def test_every_event_that_is_told_is_told_in_japanese_with_all_that_it_says(event: events.EventType) -> None:
     said = event_text(made(event), {"K1": Phrase("Here", "甲")})
     assert english_in(said.in_("ja")) == []
     assert re.search(r"[ぁ-んァ-ヶ一-龠]", said.ja)
     assert "{" not in said.en + said.ja
     shared = re.findall(r"K1|1\.5|甲", said.ja)
-    if event is not Collision:  # whose text is the carrier's own
+    if event is not events.Collision:  # whose text is the carrier's own
         assert len(shared) >= len(re.findall(r"K1|Here", said.en))
 
 
@@ -123,13 +113,13 @@ def test_what_a_set_lacks_to_its_next_charge_names_the_station() -> None:
 
 
 def test_of_a_low_battery_it_is_said_what_that_means() -> None:
-    low = event_text(BatteryAt(unit_id="V4", level=BatteryLevel.LOW), {})
+    low = event_text(events.BatteryAt(unit_id="V4", level=events.BatteryLevel.LOW), {})
     assert low.en == "the battery of V4: low, heating and cooling are off"
     assert low.ja == "V4の蓄電池：低下（暖冷房などを停止）"
 
 
 def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
-    refused = EVENTS["refused"](why="HELD")
+    refused = events.EVENTS["refused"](why="HELD")
     said = event_text(refused, {})
     assert said == Phrase("refused: HELD", "要求を拒否：他の列車が確保しています")
 
@@ -137,14 +127,14 @@ def test_a_reason_that_is_missing_takes_its_clause_with_it() -> None:
 @pytest.mark.parametrize(
     ("there", "context"),
     [
-        ({word_of(event).replace("_", " ") for event in EVENTS.values()}, "event"),
+        ({events.word_of(event).replace("_", " ") for event in events.EVENTS.values()}, "event"),
         (set(FAULTS), "fault"),
         ({f for kind in FAULTS.values() for f in kind.model_fields} - {"target"}, "fault figure"),
         ({kind.value for kind in ActKind}, "act"),
         ({purpose.value for purpose in TagPurpose}, "tag"),
         ({*READER_NAMES, *OUTCOMES, "driver's eye"}, "reader"),
         ({*(rule.value for rule in Checker), "unsafe"}, "rule"),
-        ({danger.value for danger in Danger}, "danger"),
+        ({danger.value for danger in events.Danger}, "danger"),
         ({ending.value for ending in Ending}, "ending"),
         ({cause.value for cause in Cause}, "cause"),
         ({part.value for part in OccupationPart}, "part"),

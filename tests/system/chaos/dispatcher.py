@@ -15,12 +15,8 @@ CARRIES: Final = (("tags", "lidar"), ("lidar",), ("gnss", "lidar"), ("lidar", "c
 WEATHER_P, VISIBILITY_M, DIRT_MAX = 0.5, (30.0, 20_000.0), 0.5
 DISPATCH_P: Final = 0.7
 LATE_MIN: Final = (0.0, 0.5, 1.0, 4.0)  # short days: little makes them late
-CUTS_MIN: Final = (
-    (0.1, 0.0),
-    (0.5, 0.0),
-    (5.0, 1.0),
-    (60.0, 10.0),
-)  # what a cut call counts, and what a cut must gain
+# what a cut call counts, and what a cut must gain
+CUTS_MIN: Final = ((0.1, 0.0), (0.5, 0.0), (5.0, 1.0), (60.0, 10.0))
 HOLD_P, END_P, BY_HAND_P = 0.35, 0.3, 0.25
 HOLD_S: Final = (20.0, 600.0)
 NOTCHES: Final = (-7, 4)

@@ -140,9 +140,8 @@ def _failure(
     when: dict[str, Any], uses: frozenset[str], names: Names, draw: Draw, kinds: Kinds
 ) -> dict[str, Any]:
     fails = draw.of("quantity").one_of(
-        sorted(
-            {kind.changes for kind in kinds if kind.targets(names)}
-        )  # no charger where trains run from a wire
+        # no charger where trains run from a wire
+        sorted({kind.changes for kind in kinds if kind.targets(names)})
     )
     kind = draw.of("kind").one_of([kind for kind in kinds if kind.changes == fails])
     table = {"kind": kind.kind, "target": target_of(kind, names, uses, draw.of("target"))} | when

@@ -11,19 +11,7 @@ from onboard import crossing_notes, notes
 from radio.envelope import DropReason
 from radio.messages import RefusalReason
 from radio.noted import Lost, TelegramDropped
-from simulation.events import (
-    Acted,
-    BatteryAt,
-    Commissioned,
-    EventType,
-    FaultBegan,
-    JournalEntry,
-    PointsLockedByHand,
-    PointsSetByHand,
-    PowerOff,
-    ProcedureStep,
-    Uncommissioned,
-)
+from simulation import events
 from simulation.faults.chargers import ChargerDead
 from simulation.faults.lidar import LidarFault, MarkerMissing
 from simulation.faults.script import ActKind
@@ -33,12 +21,12 @@ from wayside import said
 from wayside.config import MANAGER_ID
 from wayside.crossing_said import CrossingOpens, CrossingUnproven
 
-SOMETIMES: Final[MappingProxyType[str, EventType]] = MappingProxyType(
+SOMETIMES: Final[MappingProxyType[str, events.EventType]] = MappingProxyType(
     {
         "a telegram is lost": Lost,
-        "a party loses its power": PowerOff,
-        "a lost store waits for its commissioning": Uncommissioned,
-        "a party is commissioned anew": Commissioned,
+        "a party loses its power": events.PowerOff,
+        "a lost store waits for its commissioning": events.Uncommissioned,
+        "a party is commissioned anew": events.Commissioned,
         "a unit forgets its position": notes.PositionFault,
         "a position is found again": notes.PositionFound,
         "a tag is doubted": notes.TagDoubted,
@@ -47,8 +35,8 @@ SOMETIMES: Final[MappingProxyType[str, EventType]] = MappingProxyType(
         "supervision brakes": notes.Intervention,
         "a train stops short of its mark": notes.StoppedShort,
         "a proof of points is dropped": notes.ProofDropped,
-        "a crew locks points by hand": PointsLockedByHand,
-        "staff set points by hand": PointsSetByHand,
+        "a crew locks points by hand": events.PointsLockedByHand,
+        "staff set points by hand": events.PointsSetByHand,
         "a throw is refused": said.ThrowRefused,
         "points do not come into position": said.PointsUnproven,
         "a unit and the register contradict each other": said.Contradicted,
@@ -66,9 +54,9 @@ SOMETIMES: Final[MappingProxyType[str, EventType]] = MappingProxyType(
         "the order of trains is changed": said.OrderChanged,
         "a certificate is found": said.Certified,
         "a sign-off waits for the train to have left": said.Leaving,
-        "a person acts": Acted,
-        "people work the line": ProcedureStep,
-        "a battery is low": BatteryAt,
+        "a person acts": events.Acted,
+        "people work the line": events.ProcedureStep,
+        "a battery is low": events.BatteryAt,
         "a level crossing is asked to close": crossing_notes.CrossingAsked,
         "a level crossing is heard closed": crossing_notes.CrossingHeardClosed,
         "the proof of a level crossing is lost": crossing_notes.CrossingProofLost,
@@ -142,7 +130,7 @@ class _Course:
     def __init__(self) -> None:
         self._held: dict[str, tuple[str, ...]] = {}
 
-    def see(self, entry: JournalEntry) -> str | None:
+    def see(self, entry: events.JournalEntry) -> str | None:
         """What an entry comes to; None: nothing of this."""
         match entry.event:
             case notes.Holds(section_ids=section_ids):
@@ -155,9 +143,9 @@ class _Course:
                 return WAITS_TO_COME_IN
             case notes.FixTaken(reader=PositionSensor.LIDAR.value):
                 return BY_LIDAR
-            case Acted(act=ActKind.DRIVE.value):
+            case events.Acted(act=ActKind.DRIVE.value):
                 return BY_HAND
-            case FaultBegan(kind=kind, parameters=parameters):
+            case events.FaultBegan(kind=kind, parameters=parameters):
                 one_network = parameters.get("network", "any") != "any"
                 return ONE_NETWORK if one_network else OF_FAULTS.get(FAULTS[kind].changes)
             case _:
@@ -165,7 +153,7 @@ class _Course:
         return None
 
 
-def come_to(entries: Iterable[JournalEntry]) -> frozenset[str]:
+def come_to(entries: Iterable[events.JournalEntry]) -> frozenset[str]:
     """What of all this a run came to."""
     by_type = {kind: name for name, kind in SOMETIMES.items()}
     why = {reason.value: name for name, reason in DROPS.items()}
@@ -176,6 +164,6 @@ def come_to(entries: Iterable[JournalEntry]) -> frozenset[str]:
         came.update(name for name in (by_type.get(type(event)), course.see(entry)) if name is not None)
         if isinstance(event, TelegramDropped) and event.why in why:
             came.add(why[event.why])
-        if isinstance(event, PowerOff) and event.device_id == MANAGER_ID:
+        if isinstance(event, events.PowerOff) and event.device_id == MANAGER_ID:
             came.add(RESTARTED_MANAGER)
     return frozenset(came)

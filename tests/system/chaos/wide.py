@@ -24,11 +24,8 @@ TEST_LINE_P: Final = 0.25
 CROSSED_P: Final = 0.3
 BLOCKS_P, BLOCKS_MAX = 0.6, 5
 OVERLAP_P: Final = 0.4
-OVERLAPS_M: Final = (
-    60.0,
-    120.0,
-    200.0,
-)  # to the points of some tracks, of all, and with points behind points
+# to the points of some tracks, of all, and with points behind points
+OVERLAPS_M: Final = (60.0, 120.0, 200.0)
 SECOND_P: Final = 0.5
 SECOND_AIR: Final = {"delay_min_s": 0.2, "delay_mean_s": 0.4, "loss_good_p": 0.02}
 MARKERS_P: Final = 0.6
@@ -101,9 +98,8 @@ def _patch(line: Line, draw: Draw, whole: Row, *, second: bool) -> dict[str, Any
     adds: dict[str, Rows] = {}
     blocks = draw.of("blocks")
     if blocks.chance(BLOCKS_P):
-        sets[f"alignments.{alignment.id}.coverage"] = [
-            whole
-        ]  # a train asks for its next block where it stands
+        # a train asks for its next block where it stands
+        sets[f"alignments.{alignment.id}.coverage"] = [whole]
         for section in line.sections.values():
             if section.kind is SectionKind.BETWEEN:
                 sets[f"sections.{section.id}.virtual_blocks"] = blocks.whole(1, BLOCKS_MAX)
