@@ -229,7 +229,7 @@ def _before(
         return Precedence(first.index, True, f"order changed: {ahead} cannot come before {train} has gone")
     bound = BOUNDED and _bound_reached(register, days, other, first.hop, order)
     if bound and _could_go(days, stands, first.index):
-        often = f"before which {other.overtaken} trains have gone"
+        often = f"before which {_gone(other.overtaken)}"
         why = f"{waits}, {often if other.overtaken else 'which has waited as long as it may'}"
     elif order is not None and order.is_first(first, index):
         why = f"{waits}: {order.cost()}"
@@ -254,7 +254,7 @@ def _waited_enough(
     if BOUNDED and held_s >= days.hold_s_max:
         return f"has waited {_minutes(held_s)} min for {ahead}, the most it may"
     if BOUNDED and _bound_reached(register, days, trip.asks(register.now_s), hop, order):
-        return f"goes before {ahead}: {trip.overtaken} trains have gone before it"
+        return f"goes before {ahead}: {_gone(trip.overtaken)} before it"
     return ""
 
 
@@ -306,12 +306,7 @@ def _least_delay(
     return Precedence(first.index, False, f"{train} waits for {ahead}, {late}{cost}", first.hop.section_id)
 
 
-def delay_s(
-    register: Register,
-    days: Days,
-    stands: Stands,
-    begins: Sequence[int],
-) -> float | None:
+def delay_s(register: Register, days: Days, stands: Stands, begins: Sequence[int]) -> float | None:
     """All delay at the ends of trains due within `AHEAD_S`, s, if these moves come first; None: not all finish so."""
     moves = played_through(register, days, stands, begins)
     if moves is None:
@@ -368,6 +363,10 @@ def played_through(
 def _ready_s(register: Register, days: Days, stands: Stands, index: int) -> float:
     """When a stock can make its next move: it is on its way there, as late as it left, or waits."""
     return max(register.now_s, could_leave_s(days, stands, index, register.trip(days.unit_ids[index])))
+
+
+def _gone(trains: int) -> str:
+    return "1 train has gone" if trains == 1 else f"{trains} trains have gone"
 
 
 def _minutes(time_s: float) -> int:

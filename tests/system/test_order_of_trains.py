@@ -172,5 +172,5 @@ def test_who_was_overtaken_too_often_goes_next(tmp_path: Path, overtaken_max: in
     b_s, c_s = run.left_s("B"), run.left_s("C")
     assert b_s is not None and c_s is not None
     assert (b_s < c_s) is waits
-    assert ("C waits for B, before which 1 trains have gone" in run.held) is waits
+    assert ("C waits for B, before which 1 train has gone" in run.held) is waits
     assert unfinished(run.run.result) == ()
