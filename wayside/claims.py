@@ -61,7 +61,8 @@ def _take_claim(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step
         return _does_not_know(register, heard)
     if claimed == () and leaving.has_left(register, heard):
         return leaving.left_line(register, unit_id)
-    if claimed == () and unit.standing is UnitStanding.BY_HAND:
+    by_hand = unit.standing is UnitStanding.BY_HAND or (unit.standing is UnitStanding.DISPUTED and unit.by)
+    if claimed == () and by_hand and register.held_by(unit_id):
         return _deny_entry(register, heard)
     if unknown := [section_id for section_id in claimed or () if section_id not in register.plan.order]:
         return refuse_claim(register, heard, RefusalReason.UNKNOWN_SECTION, unknown[0])
@@ -111,8 +112,12 @@ def _does_not_know(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> S
 
 
 def _deny_entry(register: Register, heard: Heard[SignOn] | Heard[Claim]) -> Step:
-    """It says that it is outside, persons say it holds something: it would never report, so persons must."""
-    unit_id = heard.unit_id
+    """It says that it is outside, persons say it holds something: it would never report, so persons must; and what it
+    has claimed against another it claims no more.
+    """
+    unit_id, unit = heard.unit_id, register.unit(heard.unit_id)
+    by_hand = replace(unit, standing=UnitStanding.BY_HAND, claim=None, leaves=False, counted_out=False)
+    register = register.with_unit(unit_id, by_hand)
     why = "entered by hand, says it is outside"
     shown = Contradicted(unit_id=unit_id, section_ids=register.held_by(unit_id), why=why)
     register, refusal = refuse_claim(register, heard, RefusalReason.CLAIM_NEEDED)

@@ -406,17 +406,37 @@ def test_what_a_person_said_of_one_that_leaves_is_free_when_it_has_left_though_i
     assert desk.register.holders == {}
 
 
-def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal() -> None:
-    """Found by `branchline verify explore 0/0/0/1`: it disputes the portal, and nobody asks it once it has left."""
+def in_dispute_by_word() -> Desk:
+    """u1 has left by P9, where u2 is now, and says that it is leaving; Mori has said that it is in E."""
     desk = signed_off()
     desk.act(BoundaryPassed("P9"))
     desk.act(ConfirmHolding("u1", ("E",), "Mori"))
     assert isinstance(desk.hear("u2", SignOn("u2", ("P9",))), SignOnAccepted)
     desk.hear("u1", LeavingClaim(("P9",), 1), correlation=ASKED_SINCE)
     assert desk.standing("u1") is UnitStanding.DISPUTED
+    return desk
+
+
+def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_came_into_its_portal() -> None:
+    """Found by `branchline verify explore 0/0/0/1`: it disputes the portal, and nobody asks it once it has left."""
+    desk = in_dispute_by_word()
     claims(desk)
     assert desk.register.holders == {"P9": "u2"}
     assert desk.standing("u1") is UnitStanding.OUTSIDE
+
+
+def test_what_a_person_said_wrongly_of_one_that_has_left_persons_can_put_right_though_it_was_in_dispute() -> None:
+    """Found by `branchline verify explore 0/0/1/1`: booted after its train had left, it counted as reporting what it
+    had never claimed, and never reported.
+    """
+    desk = in_dispute_by_word()
+    desk.hear("u1", Claim((), 0), epoch=2)
+    assert desk.standing("u1") is UnitStanding.BY_HAND
+    assert desk.kinds[0] is Contradicted
+    for person in ("Sato", "Mori"):
+        assert desk.register.holders == {"E": "u1", "P9": "u2"}
+        desk.act(ConfirmOutside("u1", person, "P9"))
+    assert desk.register.holders == {"P9": "u2"}
 
 
 @pytest.mark.parametrize(("claim", "epoch"), [(Claim(("P9",), 1), 1), (LeavingClaim(("P9",), 1), 2)])
