@@ -1,4 +1,6 @@
-"""With two power cuts the order of trains can go wrong, which is the dispatcher's: nothing else is left to be stuck."""
+"""With two power cuts, or one and a person's wrong word, the order of trains can go wrong, which is the dispatcher's:
+nothing else is left to be stuck.
+"""
 
 import numpy as np
 import pytest
@@ -46,11 +48,12 @@ def stand_face_to_face(composition: Composition, state: StateOfLine) -> bool:
 
 
 @pytest.mark.nightly
-@pytest.mark.timeout(1800)
-def test_whoever_is_stuck_after_two_power_cuts_stands_face_to_face() -> None:
-    parties = ExploredParties(ExploredLine(budgets=Budgets(power=2)))
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("budgets", [Budgets(power=2), Budgets(power=1, word=1)], ids=str)  # 0.8 and 10 GB
+def test_whoever_is_stuck_after_two_power_cuts_or_a_wrong_word_stands_face_to_face(budgets: Budgets) -> None:
+    parties = ExploredParties(ExploredLine(budgets=budgets))
     expansion = Expansion(parties)
-    space, rank, dead, _ = judged_space(expansion, 20_000_000, lambda _: None, expansion.broken)
+    space, rank, dead, _ = judged_space(expansion, 100_000_000, lambda _: None, expansion.broken)
     assert space.complete
     assert not len(space.broken)
     assert rank is not None
