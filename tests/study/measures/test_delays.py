@@ -242,7 +242,9 @@ def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:
     stretches = (LateStretch(100.0, 400.0), LateStretch(600.0, 700.0))
-    assert recoveries_s([150.0, 650.0, 500.0], stretches) == (250.0, 50.0, 0.0)
+    assert recoveries_s([100.0, 650.0, 400.0], stretches) == (300.0, 50.0, 0.0)
+    meets = LateStretch(400.0, 500.0, over=False)
+    assert joined_stretches((*stretches, meets)) == (LateStretch(100.0, 500.0, over=False), stretches[1])
 
 
 SPANS = st.lists(st.tuples(st.integers(0, 100), st.integers(0, 30)), max_size=8)
