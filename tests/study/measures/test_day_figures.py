@@ -141,7 +141,9 @@ def test_who_begins_later_by_order_and_never_comes_to_its_end_is_missing() -> No
     assert (figures.missing, figures.shortened) == (("1",), ("1",))
     assert figures.worst_late_s == 5000.0 - 100.0
     came = [begun[0], stop("1", "B", 100.0, 100.0), stop("1", "C", 200.0, 200.0)]
-    assert figures_of_stops(came, plan({"1": ONE})).lost_train_minutes == 60.0  # as stated, though it ends in time
+    assert (
+        figures_of_stops(came, plan({"1": ONE})).lost_train_minutes == 60.0
+    )  # as stated, though it ends in time
 
 
 def test_a_train_that_calls_but_once_has_arrived_when_it_leaves() -> None:
