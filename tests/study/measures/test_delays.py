@@ -197,6 +197,7 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
         stop("2", "A", (2300.0, None), (2350.0, None)),
     ]
     assert late_stretches(last, plan) == (LateStretch(1860.0, 2350.0),)
+    assert late_stretches(last[:4], plan) == (LateStretch(1860.0, 5900.0, over=False),)  # it never comes to A
     never = [*ON_TIME[:3], stop("2", "C", (None, 1800.0), (None, None))]
     assert late_stretches(never, plan) == (LateStretch(1860.0, 5900.0, over=False),)
     assert late_stretches(ON_TIME[:3], plan) == (LateStretch(1860.0, 5900.0, over=False),)
@@ -220,6 +221,8 @@ def test_what_is_cut_grows_to_what_is_stated_once(setup: Setup) -> None:
     ]
     ended = replace(result(cut), cut=("1",))
     never_s = 5900.0 - 2300.0 - 100.0  # by which its set was late already
+    late = LateStretch(1230.0 + 60.0, 1500.0 + 600.0 + 60.0)
+    assert late_stretches(cut, setup.timetable, 1850.0) == (late,)
     assert split(delays_of(ended, setup)) == [
         ("1", "B", 0.0, 0.0, 100.0),
         ("1", "B", 0.0, 500.0, 0.0),
