@@ -1,6 +1,7 @@
 """The dispatcher's model against orders found by trying all, and the checker against solutions that are none."""
 
 from collections.abc import Iterator
+from itertools import accumulate
 from pathlib import Path
 
 import pytest
@@ -139,6 +140,16 @@ def test_little_work_is_told_from_a_proof() -> None:
     assert not answer.proven
     assert not Answer(Solution(7, ()), 6, impossible=False, work=0.0).proven  # one from its bound
     assert not answer.impossible
+
+
+def test_what_was_found_is_no_bound_until_it_is_proven() -> None:
+    """Trains that want one track are gone soonest in all if the shortest goes first (Smith's rule)."""
+    lasts = (19, 7, 13, 5, 17, 11, 3, 2)
+    least, instance = sum(accumulate(sorted(lasts))), in_time(*(way((one, "x")) for one in lasts))
+    little, enough = solve(instance, 0.002), solve(instance, 0.05)
+    assert little.solution is not None and enough.solution is not None
+    assert little.bound <= least < little.solution.objective_value and not little.proven
+    assert enough.proven and enough.solution.objective_value == least
 
 
 # every order tried ------------------------------------------------------------------------------------------------
