@@ -252,9 +252,7 @@ def test_a_crossing_that_may_have_forgotten_a_train_begins_closed(
     assert isinstance(crossing, CrossingDevice) and crossing.state is state
 
 
-def remembered(
-    store: PartyStore,
-) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, int], tuple[str, ...]]:
+def remembered(store: PartyStore) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, int], tuple[str, ...]]:
     kept = tuple[
         tuple[str, ...],
         tuple[str, ...],

@@ -241,8 +241,7 @@ def test_what_is_not_a_partys_to_say_does_not_arrive(
         with session_of(made / "parties" / MANAGER_ID, machines.elsewhere.endpoint) as session:
             for sender in ("t", MANAGER_ID):  # one link keeps their order
                 publisher = session.declare_publisher(
-                    said_key("line", sender, f"by-{sender}"),
-                    congestion_control=zenoh.CongestionControl.BLOCK,
+                    said_key("line", sender, f"by-{sender}"), congestion_control=zenoh.CongestionControl.BLOCK
                 )
                 publisher.put(b"stop")
             first = MANAGER_ID if permission == "deny" else "t"

@@ -305,8 +305,7 @@ def test_at_equal_times_the_order_of_events_counts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("second_s", "release", "said"),
-    [(9, 0, "still has"), (16, 7, "leaves at 17"), (17, 7, None)],
+    ("second_s", "release", "said"), [(9, 0, "still has"), (16, 7, "leaves at 17"), (17, 7, None)]
 )
 def test_a_resource_is_had_by_one_train_until_it_is_released(
     second_s: int, release: int, said: str | None

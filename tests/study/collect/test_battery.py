@@ -44,9 +44,9 @@ def test_power_is_the_mean_since_the_row_before() -> None:
 
 
 def test_what_does_not_balance_is_told() -> None:
-    rows = [record(0.0, 0.5), record(36.0, 0.5, given=6.0, taken=5.0, lost=0.0)]
+    rows = [record(0.0, 0.5), record(36.0, 0.5, given=6.0, taken=5.0, lost=0.5)]
     figures = battery_summary(battery_tables(rows, setup())["battery"], setup())["V1"]
-    assert figures["unbalanced_percent"] == pytest.approx(100.0 * -1.0 / 11.0)
+    assert figures["unbalanced_percent"] == pytest.approx(100.0 * -1.5 / 11.0)
 
 
 def test_the_least_charge_is_enough_and_a_minute_less_is_not() -> None:

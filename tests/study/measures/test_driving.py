@@ -30,15 +30,7 @@ def run_of(
     joules = (figure * J_PER_KWH for figure in kwh)
     counted_j = dict.fromkeys(COUNTED, 0.0) | dict(zip(DRAWN, (*joules, 9e6), strict=True))
     return EnergyRecord(
-        unit,
-        train,
-        True,
-        EnergyPhase.RUNNING,
-        *ends.split("-"),
-        *times_s,
-        ride.moved_m,
-        counted_j,
-        ride=ride,
+        unit, train, True, EnergyPhase.RUNNING, *ends.split("-"), *times_s, ride.moved_m, counted_j, ride=ride
     )
 
 

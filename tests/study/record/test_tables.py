@@ -99,12 +99,7 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
     assert (summary["trains_planned"], summary["trains_arrived"]) == (2, 1)
     assert arrived_trains(tables.stops, timetable()) == {"1"}
     assert summary["late_s_max"] == 3600.0  # train 3 never came to C
-    assert summary["late_at"] == {
-        "train": "3",
-        "station": "C",
-        "what": "missing arrival",
-        "late_s": 3600.0,
-    }
+    assert summary["late_at"] == {"train": "3", "station": "C", "what": "missing arrival", "late_s": 3600.0}
     assert summary["early_departure_s_max"] == 5.0
     assert summary["early_at"] == {"train": "1", "station": "A", "what": "departure", "late_s": -5.0}
     assert summary["stops"] == 4

@@ -327,9 +327,7 @@ def test_delays_are_arrivals_and_departures(make_day: Callable[[str, str], Repor
     assert [text.get_text() for text in figure.axes[0].texts] == ["/+7", "−12/"]
 
 
-def test_a_planned_call_to_which_nobody_came_is_no_blank(
-    make_day: Callable[[str, str], ReportedRun],
-) -> None:
+def test_a_planned_call_to_which_nobody_came_is_no_blank(make_day: Callable[[str, str], ReportedRun]) -> None:
     """A train that never came is not shown as one that does not call there."""
     day = make_day("rtri_test_line", "rtri_test_line")
     run = with_table(day, stops=day.tables.stops[:1])
