@@ -108,8 +108,11 @@ def test_the_first_entry_that_fits_counts(karasuyama_setup: Setup) -> None:
 
 def test_people_take_longer_by_station_and_hour(karasuyama_setup: Setup) -> None:
     peaks = [{"from": "06:00", "to": "08:00", "times": 3.0}]
-    table = late(("dwell", "a"), dwell={"seconds": FIXED, "peaks": peaks})
-    for one in day(karasuyama_setup, table).drawn:
+    drawn = day(karasuyama_setup, late(("dwell", "a"), dwell={"seconds": FIXED, "peaks": peaks})).drawn
+    trains = (train for train in karasuyama_setup.timetable.trains.values() if train.revenue)
+    on_the_way = {(train.number, call.station_id) for train in trains for call in train.calls[1:-1]}
+    assert {(one.who, one.place) for one in drawn} == on_the_way
+    for one in drawn:
         peak = 3.0 if one.at_s is not None and 21_600 <= one.at_s < 28_800 else 1.0
         assert one.seconds == pytest.approx(60.0 * peak * (2.0 if one.place == "OGN" else 1.0))
 

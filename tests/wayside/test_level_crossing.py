@@ -190,8 +190,7 @@ def test_what_is_not_detected_in_time_is_noted_once_and_stays_commanded() -> Non
     assert (box.state, box.notes) == (CLOSING, [CrossingUnproven(why=WhyUnproven.LATE)])
     box.do(CrossingTimeDue(), 60.0)
     assert (box.notes, wake_at_s(box.device)) == ([], None)
-    box.do(MOVING, 61.0)
-    assert (box.drives, box.notes) == ([], [])
+    assert (box.do(MOVING, 61.0), box.drives, box.notes) == ([], [], [])
 
 
 def test_it_opens_behind_the_last_of_several() -> None:
@@ -368,14 +367,6 @@ def test_two_persons_free_a_road_of_trains_that_contacts_have_counted_in() -> No
     assert (box.state, box.device.memory.counted) == (CLOSING, 1)
     box.do(GONE, 400.0)
     assert box.state is OPEN
-
-
-def test_what_persons_said_of_a_train_that_leaves_after_all_is_over() -> None:
-    box = closed_for("u")
-    box.do(SIGNALMAN, 100.0)
-    box.do(TRACKMAN, 110.0)
-    box.do(leaves("u"), 112.0)
-    assert (box.state, wake_at_s(box.device)) == (OPEN, None)
 
 
 def test_a_restart_forgets_what_persons_have_said() -> None:
