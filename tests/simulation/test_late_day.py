@@ -141,6 +141,16 @@ def test_as_many_come_late_and_break_as_the_figures_say(karasuyama_setup: Setup)
         assert counted == pytest.approx(seeds * mean, abs=4.5 * math.sqrt(seeds * variance))
 
 
+def test_what_is_no_unit_breaks_by_the_hours_of_the_day(karasuyama_setup: Setup) -> None:
+    off = {"kind": "power_off", "targets": ["block-manager"], "mtbf_h": 1.0, "seconds": FIXED, "source": "t"}
+    table = Late.model_validate({"failures": {"manager": off}})
+    duties = [d for of_stock in drawn_up(karasuyama_setup, karasuyama_setup.line).values() for d in of_stock]
+    day_s = max(d.train.calls[-1].last_s for d in duties) - min(d.enter_s for d in duties)
+    expected = 15 * day_s / 3600.0
+    counted = sum(len(day(karasuyama_setup, table, seed).failures) for seed in range(15))
+    assert abs(counted - expected) <= 4.5 * math.sqrt(expected)
+
+
 def test_points_break_at_counted_throws_and_only_such_as_may_come(karasuyama_setup: Setup) -> None:
     stuck = {"kind": "stuck", "mtbf_operations": 20.0, "seconds": FIXED, "source": "t"}
     table = Late.model_validate({"failures": {"points": stuck}})
