@@ -44,10 +44,9 @@ class StandardTime:
     pass_stop_s: float | None
     pass_pass_s: float | None
 
-    def rounded_s(self, how: str = "stop_stop_s") -> int | None:
-        """The time as it is laid down: the next 5 s up."""
-        time_s = getattr(self, how)
-        return None if time_s is None or not math.isfinite(time_s) else laid_down_s(time_s)
+    def rounded_s(self) -> int | None:
+        """The time from stand to stand as it is laid down: the next 5 s up; None where the train cannot climb."""
+        return laid_down_s(self.stop_stop_s) if math.isfinite(self.stop_stop_s) else None
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV: times to 0.1 s."""

@@ -98,8 +98,3 @@ class Wait:
     def moves(self) -> bool:
         """Whether it moves meanwhile."""
         return self.cause in MOVING
-
-    @property
-    def length_s(self) -> float:
-        """How long, s."""
-        return self.to_s - self.from_s

@@ -9,6 +9,9 @@ from typing import Any
 
 import pytest
 
+from branchline.best_interval import _rows as interval_rows  # pyright: ignore[reportPrivateUsage]
+from branchline.best_robust import _rows as robust_rows  # pyright: ignore[reportPrivateUsage]
+
 WEEKDAY = "karasuyama_weekday"
 
 
@@ -32,6 +35,29 @@ def test_a_proof_is_recounted_and_one_with_a_number_changed_refused(
     (tmp_path / "proof.json").write_text(json.dumps(json.loads(text) | {"excluded": []}), "utf-8")
     nothing = main("best", "interval", WEEKDAY, "--check", "proof.json")
     assert (nothing.code, nothing.out) == (1, "it excludes no interval\n")
+
+
+def test_two_trains_each_way_are_twice_as_many_and_waits_that_are_not_proven_are_told() -> None:
+    pattern, proof = SimpleNamespace(trains_each_way=2), SimpleNamespace(excluded=())
+    found: Any = SimpleNamespace(
+        interval_s=1800, each_s=900.0, waits_s=60.0, least_waits=False, in_tenths_s=1799.5, circle=None,
+        pattern=pattern, proof=proof, circles=list[object],
+    )  # fmt: skip
+    first, waits = interval_rows(found)[:2]
+    assert first.endswith("1800 s (30.0 min), 4.00 trains an hour each way")
+    assert waits == "waits: 60 s of all trains together, perhaps more than it need be"
+
+
+def test_delays_on_fresh_days_stand_beside_those_trained_on() -> None:
+    day: Any = SimpleNamespace(times={}, trained_s=12.0, fresh_s=34.0)
+    found: Any = SimpleNamespace(
+        training_seeds=(1, 2, 3), fresh_seeds=(4, 5), bound_s=9.0, problem=SimpleNamespace(trains={}),
+        as_it_is=day, placed=day,
+    )  # fmt: skip
+    line: Any = None
+    heads, row, _ = robust_rows(line, found, {"as it is": day})
+    assert heads.split()[8:] == ["3", "days", "trained", "on", "2", "fresh", "days"]
+    assert row.split() == ["as", "it", "is", "12.00", "s", "34.00", "s"]
 
 
 def test_the_answer_is_a_scenario(main: Callable[..., Any]) -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -32,9 +33,13 @@ def test_headways_are_the_same_in_json_and_csv(main: Callable[..., Any], tmp_pat
         assert [row["of"] for row in csv.DictReader(file)] == [row["of"] for row in rows]
     for name in ("headway_matrix", "headway_parts"):
         assert (tmp_path / f"out/{name}.png").read_bytes()[:4] == b"\x89PNG"
-    told = main("headway", str(VALLEY), "--theory", "--station", "MRI", "--csv")
+    asked = ("headway", str(VALLEY), "--theory", "--station", "MRI")
+    told = main(*asked, "--csv")
     assert told.code == 0, told.err
-    assert next(csv.DictReader(io.StringIO(told.out)))["station"] == "MRI"
+    written = list(csv.DictReader(io.StringIO(told.out)))
+    assert {row["station"] for row in written} == {"MRI"}
+    left_over = [f"{float(row['buffer_s']):+.0f}" for row in written if row["buffer_s"]]
+    assert re.findall(r" ([+-]\d+) ", main(*asked).out) == left_over
 
 
 def test_one_train_has_no_headway(main: Callable[..., Any], tmp_path: Path) -> None:

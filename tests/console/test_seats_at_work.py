@@ -119,11 +119,14 @@ def test_a_train_held_by_the_dispatcher_leaves_later_by_that_and_it_replays(
         session.run_to((TEN - 300) * STEPS_PER_S)
         assert [bid.unit for bid in desk.moment.known.bids] == ["K1"]
         forecast = {one.train: one for one in desk.moment.forecast}
+        held_until_s = TEN - 400 + 520.0
+        session.run_to(round((held_until_s + 60.0) * STEPS_PER_S))
+        on_its_way = next(one for one in desk.moment.forecast if one.train == "T1")
         result = session.run_to_end()
     left_s = next(s.departure_s for s in result.stops if s.number == "T1" and s.departure_s is not None)
-    held_until_s = TEN - 400 + 520.0
     assert held_until_s <= left_s <= held_until_s + 15.0  # a unit asks again within seconds
     assert forecast["T1"].times_s[0] >= held_until_s - 1.0
+    assert on_its_way.times_s[0] == pytest.approx(forecast["T1"].times_s[1], abs=20.0)  # as late as it left
     assert replayed(session, tmp_path).digest == result.digest
 
 

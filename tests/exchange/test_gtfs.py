@@ -26,6 +26,7 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_names, shipped_timetable
 from network.files.timetable_schema import TimetableFile
 from network.files.toml_input import parse_toml
+from network.model import Direction
 from network.timetable import CallKind, Timetable, timetable_of
 from tests.exchange.random_timetables import timetables
 
@@ -410,6 +411,8 @@ def test_what_gtfs_asks_for_is_there(tmp_path: Path) -> None:
         assert 36.6 < float(row["stop_lat"]) < 36.7
         assert 139.9 < float(row["stop_lon"]) < 140.2
     trips = {row["trip_id"]: row for row in tables["trips.txt"]}
+    down = [number for number, train in timetable.trains.items() if train.direction is Direction.DOWN]
+    assert [number for number, row in trips.items() if row["direction_id"] == "0"] == down  # as it is read
     for row in tables["stop_times.txt"]:
         assert row["trip_id"] in trips
         assert stops[row["stop_id"]]["location_type"] == "0"

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from exchange.onto_line import OntoLine, onto_line
 from exchange.planned import TrainOnLine
 from exchange.published import PublishedStation, PublishedTimetable, PublishedTrain
-from exchange.running import CHANGE_MPS2, DWELL_S, StationRun, plausible_s
+from exchange.running import CHANGE_MPS2, DWELL_S, StationRun, observed_running, plausible_s
 from exchange.train_numbers import numbers_of
 from network.errors import InputError
 from network.files.line_file import load_line
@@ -54,6 +54,16 @@ def clocks(of: TrainOnLine) -> list[tuple[str, int | None, int | None]]:
 def inferred(of: TrainOnLine) -> list[int]:
     """Indices of calls of which a time was computed."""
     return [i for i, one in enumerate(of.calls) if one.inferred]
+
+
+def test_the_quickest_train_of_a_timetable_tells_how_long_a_run_takes() -> None:
+    """To arrivals; where a source has none, to departures less the shortest stand."""
+    there = StationRun("A", "B", True, True)
+    trains = [(Call("A", None, None, 0), Call("B", None, 300 + late_s, 360)) for late_s in (20, 0)]
+    assert observed_running(trains)(there) == 300
+    departs = [(Call("A", None, None, 600), Call("B", None, None, 600 + 360))]
+    assert observed_running(departs)(there) is None
+    assert observed_running(departs, rough=True)(there) == 360 - DWELL_S
 
 
 def test_a_train_is_cut_to_the_line_and_goes_beyond_it() -> None:

@@ -9,22 +9,14 @@ import msgspec
 from host.unit import UnitConfig, unit_of
 from network.model import SectionKind, TagPurpose
 from onboard.authority.records import RequestKind
-from onboard.duty.records import (
-    DrivingCommand,
-    PlaceInJoints,
-)
+from onboard.duty.records import DrivingCommand, PlaceInJoints
 from onboard.duty_parameters import DutyParameters, ReleaseRule
 from onboard.notes import Note as UnitNote
 from onboard.plan import DutyPlan, PlanLeg, PlanStop, PlanTag, Span
 from onboard.unit import OnboardUnit
 from radio.envelope import Endpoint
 from radio.keys import key_ring
-from wayside.config import (
-    MANAGER_ID,
-    ManagerConfig,
-    RouteEntry,
-    SectionEntry,
-)
+from wayside.config import MANAGER_ID, ManagerConfig, RouteEntry, SectionEntry
 
 MASTER: Final = b"m" * 32
 UNITS: Final = ("u1", "u2", "u3")

@@ -29,7 +29,15 @@ from radio.messages import (
 )
 from radio.noted import TelegramDropped, TookEffect
 from tests.host.one_unit import MANAGER, MASTER, TERMINAL
-from wayside.config import MANAGER_ID, ManagerConfig, TerminalConfig, decode_config, encode_config
+from wayside.config import (
+    MANAGER_ID,
+    CrossingConfig,
+    ManagerConfig,
+    TerminalConfig,
+    decode_config,
+    encode_config,
+)
+from wayside.level_crossing import CrossingDevice, CrossingMemory, CrossingState
 from wayside.point_terminal import Commitment, TerminalMemory
 from wayside.said import (
     BoundaryPassed,
@@ -222,9 +230,29 @@ def test_a_ledger_that_cannot_be_read_is_a_lost_one_and_a_memory_is_no_start() -
         terminal(store)
 
 
-def remembered(
-    store: PartyStore,
-) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, int], tuple[str, ...]]:
+EMPTY = msgspec.msgpack.encode(CrossingMemory())
+
+
+@pytest.mark.parametrize(
+    ("boots", "vital", "contacts", "state"),
+    [
+        (0, b"", True, CrossingState.OPEN),  # it never ran
+        (1, EMPTY, False, CrossingState.OPEN),
+        (1, EMPTY, True, CrossingState.CLOSING),  # fronts may have passed in the dark
+        (1, b"", False, CrossingState.CLOSING),
+        (1, b"\xc1", False, CrossingState.CLOSING),
+    ],
+)
+def test_a_crossing_that_may_have_forgotten_a_train_begins_closed(
+    boots: int, vital: bytes, contacts: bool, state: CrossingState
+) -> None:
+    store, config = MemoryStore(), CrossingConfig("line", "C", True, 15.0, 20.0, contacts=contacts)
+    store.save(Durable(boots, vital))
+    crossing = DeviceHost(config, key_ring(MASTER, "C", ["u1"], ["t"]), store).state
+    assert isinstance(crossing, CrossingDevice) and crossing.state is state
+
+
+def remembered(store: PartyStore) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, int], tuple[str, ...]]:
     kept = tuple[
         tuple[str, ...],
         tuple[str, ...],

@@ -19,14 +19,7 @@ from onboard.authority.records import (
     Take,
 )
 from radio.envelope import Received
-from radio.messages import (
-    AnyMessage,
-    Claim,
-    RefusalReason,
-    SignOn,
-    SignOnAccepted,
-    SignOnRefused,
-)
+from radio.messages import AnyMessage, Claim, RefusalReason, SignOn, SignOnAccepted, SignOnRefused
 from wayside import actions, block_manager
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.register import Register, UnitStanding, start

@@ -28,13 +28,7 @@ from onboard.fixes import EYE_WITHIN_M
 from onboard.localisation.fix import MISSED_MAX, REFUSED, TAKEN, fix_by_rule, virtual_tag_bits
 from onboard.mission import Mission
 from onboard.motion import NO_ROOM, UnitMotion
-from onboard.records import (
-    EVENT_CONTRADICTED,
-    EVENT_FOUND,
-    EVENT_IDLE,
-    EVENT_PLACE,
-    EVENT_POSITION,
-)
+from onboard.records import EVENT_CONTRADICTED, EVENT_FOUND, EVENT_IDLE, EVENT_PLACE, EVENT_POSITION
 from onboard.unit_records import UnitParameters
 
 Rows = NDArray[np.void]

@@ -8,32 +8,16 @@ from numpy.typing import NDArray
 
 from network.model import Line, Position
 from onboard.driving.stop_keeper import StopKeeper
-from onboard.duty.records import (
-    Begin,
-    DutyPhase,
-    Person,
-    Sensed,
-    Told,
-)
+from onboard.duty.records import Begin, DutyPhase, Person, Sensed, Told
 from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.plan import plan_of
-from onboard.records import (
-    EVENT_STOPPED,
-    BehaviourRow,
-    PathData,
-    UnitRow,
-)
+from onboard.records import EVENT_STOPPED, BehaviourRow, PathData, UnitRow
 from onboard.unit import OnboardUnit, Report
 from onboard.unit_records import UnitParameters
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring
-from radio.messages import (
-    AnyMessage,
-    Capability,
-    PointsCommand,
-    PointsProof,
-)
+from radio.messages import AnyMessage, Capability, PointsCommand, PointsProof
 from vehicle.records import TrainRow
 
 Rows = NDArray[np.void]

@@ -11,14 +11,7 @@ from onboard.unit_records import UnitParameters
 from papers.line_stops import SCENARIO, WITH_SIGNS
 from papers.oda_scale_track import TrackTest, car_bench
 from papers.oda_tuning import HiddenBrake, bench_with
-from papers.parameter_sets import (
-    LINE,
-    SECTION_3_2,
-    SETS,
-    TABLE_1,
-    TENTH_SCALE,
-    ParameterSet,
-)
+from papers.parameter_sets import LINE, SECTION_3_2, SETS, TABLE_1, TENTH_SCALE, ParameterSet
 from papers.single_train import Bench
 from papers.specification import REPRODUCTIONS, reproduction
 from papers.stop_statistics import statistics_bench

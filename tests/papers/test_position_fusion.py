@@ -20,15 +20,7 @@ from papers.fusion_runs import (
     keep_to_the_model,
     outcome,
 )
-from papers.joint_faults import (
-    FAILS,
-    OF_RECEIVERS,
-    OF_WHEELS,
-    SETS,
-    joint_outcome,
-    rule_of,
-    troubles_of,
-)
+from papers.joint_faults import FAILS, OF_RECEIVERS, OF_WHEELS, SETS, joint_outcome, rule_of, troubles_of
 from papers.position_fusion import (
     CURVED,
     FORGIVING,

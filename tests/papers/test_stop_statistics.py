@@ -30,6 +30,7 @@ def test_first_order_shares_of_a_sum_are_its_parts() -> None:
     assert first_order_share(first, total) == pytest.approx(0.8, abs=0.02)
     assert first_order_share(second, total) == pytest.approx(0.2, abs=0.02)
     assert first_order_share(rng.normal(size=20_000), total) == pytest.approx(0.0, abs=0.005)
+    assert first_order_share(rng.normal(size=2_000), total[:2_000]) == pytest.approx(0.0, abs=0.012)
     assert first_order_share(np.ones(20_000), total) == 0.0
 
 
@@ -89,6 +90,7 @@ def test_what_a_factor_does_alone_has_the_sign_of_its_physics() -> None:
     assert effects["gradient"] < 0.0
     assert effects["adhesion"] == 0.0  # the brake stays below it
     assert effects["beacon_error"] < 0.0  # a beacon taken to lie further ahead puts the estimate ahead
+    assert effects["wheel"] < 0.0  # a wheel that shows more way than it runs
 
 
 @pytest.mark.nightly

@@ -41,11 +41,7 @@ GUARDED: Final = (
         "gain_0",
         ("law without gain", "gain found as in 3.2.3, 1/s", "two targets, error negative, 100 m"),
     ),
-    Guarded(
-        "oda-table4",
-        "frame_error_reversed",
-        ("estimate ahead of the train while a sign is seen, m",),
-    ),
+    Guarded("oda-table4", "frame_error_reversed", ("estimate ahead of the train while a sign is seen, m",)),
     Guarded(
         "oda-table4",
         "null_method_has_beacons_and_signs",
@@ -85,15 +81,9 @@ GUARDED: Final = (
     ),
     Guarded("stop-window", "prediction_removed", ("greatest speed of the set, km/h",)),
     Guarded(
-        "stop-window",
-        "brakes_beyond_the_stated_range",
-        ("random stops from the set that end within 1 m",),
+        "stop-window", "brakes_beyond_the_stated_range", ("random stops from the set that end within 1 m",)
     ),
-    Guarded(
-        "stop-window",
-        "set_taken_too_large",
-        ("random stops from the set that end within 1 m",),
-    ),
+    Guarded("stop-window", "set_taken_too_large", ("random stops from the set that end within 1 m",)),
     Guarded(
         "stop-window",
         "set_taken_too_small",

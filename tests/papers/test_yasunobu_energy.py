@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ import pytest
 from papers import yasunobu_cells
 from papers.reproduction import Options, Reproduction
 from papers.single_hop import TimedHop
-from papers.yasunobu_cells import PUNCTUAL_S, DrivingWay, EnergyCell, run_cells, settings_of
+from papers.yasunobu_cells import PUNCTUAL_S, DrivingWay, EnergyCell, is_kept, run_cells, settings_of
 from papers.yasunobu_energy import (
     BALANCED_KMH,
     PAPER_SAVES_PERCENT,
@@ -72,6 +74,14 @@ def test_whichever_way_is_late_its_row_is_missed(level: list[EnergyCell], way: D
     late = replace(cell.hops[way], asked_s=cell.asked_s - PUNCTUAL_S - 1.0)
     assert row_of(cell).passed
     assert not row_of(replace(cell, hops={**cell.hops, way: late})).passed
+
+
+@pytest.mark.parametrize(
+    ("off_s", "error_m", "kept"), [(0.5, -0.5, True), (-1.5, 0, False), (0, -1.5, False)]
+)
+def test_too_soon_and_short_of_the_mark_is_not_kept_either(off_s: float, error_m: float, kept: bool) -> None:
+    hop: Any = SimpleNamespace(off_s=off_s, outcome={"error_m": error_m})
+    assert is_kept(hop) is kept
 
 
 def test_a_hop_off_its_time_saves_nothing(level: list[EnergyCell]) -> None:

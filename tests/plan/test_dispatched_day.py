@@ -1,5 +1,6 @@
 """A late day as a dispatching problem: what stands in it is of the line, and its solution is the order of a run."""
 
+import json
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -12,7 +13,7 @@ from network.errors import InputError
 from plan.dispatching import day
 from plan.dispatching.checker import objections
 from plan.dispatching.day import DispatchedDay, day_of, moves_of
-from plan.dispatching.instance import TrainOperation, read_instance
+from plan.dispatching.instance import TrainOperation, read_instance, read_solution
 from plan.dispatching.solver import solve
 from scenario.scenario import load_scenario
 from simulation.late.entry import entry_late_s
@@ -172,6 +173,25 @@ def test_a_solution_names_each_move_of_the_manager_once(setup: Setup, late: Disp
     assert {s.unit_id: len(s.moves) for s in stocks} == {s.unit_id: order.count(s.unit_id) for s in stocks}
     with pytest.raises(InputError):
         moves_of(setup, legs[:-5])
+
+
+def test_one_late_train_goes_out_as_a_problem_and_comes_back_as_a_scenario(tmp_path: Path) -> None:
+    """Its doors stay open for ten minutes longer, of which the plan has less to spare."""
+    late = 'extends = "rtri_test_line"\n[late.doors.all]\nshare = 1.0\nsource = "made up"\n'
+    (tmp_path / "late.toml").write_text(f'{late}seconds = {{ distribution = "fixed", mean_s = 600.0 }}\n')
+    names = ("late.toml", "day.json", "solution.json", "ordered.toml")
+    scenario, problem, solved, ordered = (str(tmp_path / name) for name in names)
+    commands = (
+        ["export", "displib", scenario, problem, "--json"],
+        ["best", "displib", problem, "--work", "1", "--out", solved],
+        ["import", "displib", scenario, solved, ordered],
+    )
+    out, _, back = (CliRunner().invoke(app, command).stdout for command in commands)
+    (train,), told = read_instance(Path(problem)).trains, json.loads(out)
+    assert (told["sets"], told["operations"], told["delays"]) == (1, len(train), 1)
+    promised_s = read_solution(Path(solved)).objective_value
+    assert 300 < promised_s <= 600 and f"promised {promised_s / 60.0:.1f} min late" in back
+    assert load_scenario(ordered).setup.dispatch.given == ("K1",)
 
 
 @pytest.mark.nightly

@@ -1,11 +1,13 @@
 """The dispatcher's model against orders found by trying all, and the checker against solutions that are none."""
 
 from collections.abc import Iterator
+from itertools import accumulate
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.json import encode
 from msgspec.structs import replace
 from ortools.sat.python.cp_model import CpSolver
 from ortools.sat.python.cp_model_helper import Literal
@@ -132,6 +134,7 @@ def test_a_late_start_costs_its_increment_once() -> None:
     answer = solve(instance, WORK)
     assert answer.solution is not None
     assert answer.solution.objective_value == 3
+    assert [OperationDelay("op_delay", 0, 1, 11, 5, 2).cost(start) for start in (10, 11, 12)] == [0, 5, 7]
 
 
 def test_little_work_is_told_from_a_proof() -> None:
@@ -139,6 +142,16 @@ def test_little_work_is_told_from_a_proof() -> None:
     assert not answer.proven
     assert not Answer(Solution(7, ()), 6, impossible=False, work=0.0).proven  # one from its bound
     assert not answer.impossible
+
+
+def test_what_was_found_is_no_bound_until_it_is_proven() -> None:
+    """Trains that want one track are gone soonest in all if the shortest goes first (Smith's rule)."""
+    lasts = (19, 7, 13, 5, 17, 11, 3, 2)
+    least, instance = sum(accumulate(sorted(lasts))), in_time(*(way((one, "x")) for one in lasts))
+    little, enough = solve(instance, 0.002), solve(instance, 0.05)
+    assert little.solution is not None and enough.solution is not None
+    assert little.bound <= least < little.solution.objective_value and not little.proven
+    assert enough.proven and enough.solution.objective_value == least
 
 
 # every order tried ------------------------------------------------------------------------------------------------
@@ -292,8 +305,7 @@ def test_at_equal_times_the_order_of_events_counts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("second_s", "release", "said"),
-    [(9, 0, "still has"), (16, 7, "leaves at 17"), (17, 7, None)],
+    ("second_s", "release", "said"), [(9, 0, "still has"), (16, 7, "leaves at 17"), (17, 7, None)]
 )
 def test_a_resource_is_had_by_one_train_until_it_is_released(
     second_s: int, release: int, said: str | None
@@ -340,6 +352,16 @@ def test_what_is_no_instance_is_told_by_its_place(tmp_path: Path, text: str, key
     with pytest.raises(InputError) as error:
         read_instance(file)
     assert (error.value.file, error.value.key) == (str(file), key)
+
+
+def test_who_has_a_resource_twice_lets_go_of_it_once_for_all(tmp_path: Path) -> None:
+    uses = [(ResourceUsage("x", release),) for release in (20, 0)]
+    twice = (*(TrainOperation(5, (i + 1,), used) for i, used in enumerate(uses)), TrainOperation(0, ()))
+    events = [StartEvent(5 * i, 0, i) for i in range(3)] + [StartEvent(24, 1, 0), StartEvent(34, 1, 1)]
+    instance = in_time(twice, way((10, "x")))
+    assert "leaves at 25" in objections(instance, Solution(44, tuple(events)))[0]
+    (tmp_path / "meeting.json").write_bytes(encode(MEETING))
+    assert read_instance(tmp_path / "meeting.json") == MEETING  # earliest and latest at the same time
 
 
 def test_numbers_that_no_solver_can_add_up_are_no_lack_of_an_order() -> None:

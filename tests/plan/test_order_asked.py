@@ -24,14 +24,7 @@ from wayside import order, solved_order
 from wayside.config import JourneyMove, ManagerConfig, OrderRule
 from wayside.journeys import DayProgress, Stands, days_of
 from wayside.order import is_disturbed
-from wayside.order_question import (
-    OrderAnswer,
-    OrderMove,
-    OrderQuestion,
-    OrderTrain,
-    OrderWay,
-    without_solver,
-)
+from wayside.order_question import OrderAnswer, OrderMove, OrderQuestion, OrderTrain, OrderWay, without_solver
 from wayside.places import stands_of
 from wayside.said import HeldBack, OrderLacking
 from wayside.solved_order import question_of
@@ -227,14 +220,7 @@ def test_it_is_asked_only_where_one_is_late_and_others_want_the_line_and_once_a_
     play = asked()
     questions = questions_of(play)
     for play.now_s, count in ((100.0, 0), (339.0, 0), (340.0, 1), (399.0, 1), (400.0, 2)):
-        play.hear(
-            0,
-            RouteRequest(
-                "u0",
-                "1.1>2.1",
-                ("1-2", "2.1"),
-            ),
-        )
+        play.hear(0, RouteRequest("u0", "1.1>2.1", ("1-2", "2.1")))
         play.register = replace(
             play.register, holders={s: u for s, u in play.register.holders.items() if "-" not in s}
         )

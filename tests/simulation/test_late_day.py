@@ -108,8 +108,11 @@ def test_the_first_entry_that_fits_counts(karasuyama_setup: Setup) -> None:
 
 def test_people_take_longer_by_station_and_hour(karasuyama_setup: Setup) -> None:
     peaks = [{"from": "06:00", "to": "08:00", "times": 3.0}]
-    table = late(("dwell", "a"), dwell={"seconds": FIXED, "peaks": peaks})
-    for one in day(karasuyama_setup, table).drawn:
+    drawn = day(karasuyama_setup, late(("dwell", "a"), dwell={"seconds": FIXED, "peaks": peaks})).drawn
+    trains = (train for train in karasuyama_setup.timetable.trains.values() if train.revenue)
+    on_the_way = {(train.number, call.station_id) for train in trains for call in train.calls[1:-1]}
+    assert {(one.who, one.place) for one in drawn} == on_the_way
+    for one in drawn:
         peak = 3.0 if one.at_s is not None and 21_600 <= one.at_s < 28_800 else 1.0
         assert one.seconds == pytest.approx(60.0 * peak * (2.0 if one.place == "OGN" else 1.0))
 
@@ -136,6 +139,16 @@ def test_as_many_come_late_and_break_as_the_figures_say(karasuyama_setup: Setup)
     ):
         counted = sum(len(of(one, kind, "a")) for one in days)
         assert counted == pytest.approx(seeds * mean, abs=4.5 * math.sqrt(seeds * variance))
+
+
+def test_what_is_no_unit_breaks_by_the_hours_of_the_day(karasuyama_setup: Setup) -> None:
+    off = {"kind": "power_off", "targets": ["block-manager"], "mtbf_h": 1.0, "seconds": FIXED, "source": "t"}
+    table = Late.model_validate({"failures": {"manager": off}})
+    duties = [d for of_stock in drawn_up(karasuyama_setup, karasuyama_setup.line).values() for d in of_stock]
+    day_s = max(d.train.calls[-1].last_s for d in duties) - min(d.enter_s for d in duties)
+    expected = 15 * day_s / 3600.0
+    counted = sum(len(day(karasuyama_setup, table, seed).failures) for seed in range(15))
+    assert abs(counted - expected) <= 4.5 * math.sqrt(expected)
 
 
 def test_points_break_at_counted_throws_and_only_such_as_may_come(karasuyama_setup: Setup) -> None:

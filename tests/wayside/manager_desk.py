@@ -3,21 +3,14 @@ E (track), P9 (portal).
 """
 
 from radio.keys import capability_key
-from radio.messages import (
-    AnyMessage,
-    Claim,
-    RouteRequest,
-    SignOnAccepted,
-)
+from radio.messages import AnyMessage, Claim, RouteRequest, SignOnAccepted
 from radio.noted import Noted
 from wayside.actions import Send, Show
 from wayside.acts import Act
 from wayside.block_manager import AskUnits, Heard, step
 from wayside.config import ManagerConfig, RouteEntry, SectionEntry
 from wayside.register import Register, UnitStanding, start
-from wayside.said import (
-    ConfirmOutside,
-)
+from wayside.said import ConfirmOutside
 
 MASTER = b"m" * 32
 KEYS = {terminal: capability_key(MASTER, terminal) for terminal in ("tA", "tD")}

@@ -7,27 +7,14 @@ holds A and B (and stands in B), u2 holds E, u3 holds P9, u4 is off the line.
 from collections.abc import Iterable, Mapping
 
 from radio.keys import capability_key
-from radio.messages import (
-    AnyMessage,
-    Claim,
-    Contested,
-    RouteGranted,
-    RouteRequest,
-    SignOnAccepted,
-)
+from radio.messages import AnyMessage, Claim, Contested, RouteGranted, RouteRequest, SignOnAccepted
 from radio.noted import Noted
 from wayside.actions import Send, Show
 from wayside.acts import Act
 from wayside.block_manager import AskUnits, Heard, step
 from wayside.config import ManagerConfig, ReentryMode, RouteEntry, SectionEntry
 from wayside.register import Register, start
-from wayside.said import (
-    AcceptPicture,
-    Contradicted,
-    EnterSection,
-    Note,
-    Refused,
-)
+from wayside.said import AcceptPicture, Contradicted, EnterSection, Note, Refused
 
 SECTIONS = ("P0", "A", "B", "C", "D", "E", "P9")
 ROUTES = (

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from radio.messages import RefusalReason, RouteGranted, RouteRefused, SignOnRefused
 from tests.wayside.loop_line import Play, can_finish, config_of, random_case
 from wayside.certificate import CertificateProof, finishing_order, follows
+from wayside.journeys import LastCertificate
 from wayside.moves import Move, Train
 from wayside.said import Certified, Granted, HeldBack, NoOrderKnown
 
@@ -153,6 +154,8 @@ def test_the_siding_of_report_17834_is_lost_without_and_not_with_it() -> None:
     play = Play(config_of(tracks, ways, certificate=True), ways)
     for k in (0, 0, 2):
         play.asks(k)
+    # an order that led on from other places is none from here
+    play.register = replace(play.register, kept=LastCertificate((0, 0, 0), (0, 0, 0), (1, 0, 2)))
     answer = play.asks(1)
     assert isinstance(answer, RouteRefused)
     assert (answer.reason, answer.section_id, answer.holder) == (RefusalReason.NO_WAY_ON, "0.1", "u2")

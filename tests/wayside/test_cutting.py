@@ -157,6 +157,14 @@ def test_an_old_report_changes_nothing() -> None:
     assert play.register.cuts == {}
 
 
+def test_of_one_that_goes_on_as_a_train_of_another_no_answer_is_awaited() -> None:
+    play = at_the_loop()
+    says(play, ONWARD)
+    assert GoesOnAs(unit_id="u0", train="X") in says(play, report(play, "X"))
+    trip = play.register.trip("u0")
+    assert (trip.astray, trip.next_train) == (True, "")
+
+
 def test_a_unit_that_booted_after_it_took_the_order_is_known_by_what_it_asks() -> None:
     play = at_the_loop()
     says(play, ONWARD)

@@ -190,6 +190,7 @@ def test_what_is_not_detected_in_time_is_noted_once_and_stays_commanded() -> Non
     assert (box.state, box.notes) == (CLOSING, [CrossingUnproven(why=WhyUnproven.LATE)])
     box.do(CrossingTimeDue(), 60.0)
     assert (box.notes, wake_at_s(box.device)) == ([], None)
+    assert (box.do(MOVING, 61.0), box.drives, box.notes) == ([], [], [])
 
 
 def test_it_opens_behind_the_last_of_several() -> None:
@@ -281,6 +282,8 @@ def test_lamps_that_went_out_and_shine_again_prove_nothing_while_the_proof_of_be
     assert lamps.do(asks(9.0), 39.9) == [("u", CrossingProof(False, VALID_S), 1)]
     assert wake_at_s(lamps.device) == pytest.approx(20.0 + 15.0 + 5.0)
     assert lamps.do(CrossingTimeDue(), 40.0) == [("u", CrossingProof(True, VALID_S), 1)]
+    lamps.do(BLOCKED, 41.0)  # while they shine what was on it keeps no proof away afterwards
+    assert lamps.do(lit, 42.0) == [("u", CrossingProof(True, VALID_S), 1)]
 
 
 SIGNALMAN, TRACKMAN = NoTrainComes("Signalman"), NoTrainComes("trackman")

@@ -27,7 +27,7 @@ from wayside.config import (
 )
 from wayside.parts import free_part
 from wayside.places import stands_of
-from wayside.register import Register, start
+from wayside.register import Register, UnitStanding, start
 from wayside.said import LetGo, LetWait
 from wayside.solved_order import question_of
 
@@ -113,6 +113,13 @@ def test_a_follower_has_the_blocks_that_are_free_and_later_the_rest() -> None:
     line.keeps("u1", "C1")
     assert line.ask("u2", "A2>B", "3", "B") == ("3", "B")
     assert line.ask("u2", "B>C2") == ("4", "C2")
+
+
+def test_no_part_is_granted_while_nobody_knows_what_another_holds() -> None:
+    line = following()
+    unit = msgspec.structs.replace(line.register.unit("u1"), standing=UnitStanding.UNKNOWN)
+    line.register = line.register.with_unit("u1", unit)
+    assert line.ask("u2", "A2>B") == ()
 
 
 def test_no_part_ends_where_the_radio_does_not_reach() -> None:

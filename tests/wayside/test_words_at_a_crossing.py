@@ -19,6 +19,7 @@ from tests.wayside.test_level_crossing import (
     Box,
     asks,
     closed_for,
+    leaves,
 )
 from wayside.level_crossing import (
     FREES_S,
@@ -73,6 +74,14 @@ def test_what_is_said_again_of_the_same_train_changes_no_word() -> None:
     box.do(SIGNALMAN, 100.0)
     box.do(asks(12.0, correlation=1), 105.0)
     assert box.do(TRACKMAN, 110.0) == [("u", CrossingProof(False, VALID_S), 1)]
+
+
+def test_what_persons_said_of_a_train_that_leaves_after_all_is_over() -> None:
+    box = closed_for("u")
+    box.do(SIGNALMAN, 100.0)
+    box.do(TRACKMAN, 110.0)
+    box.do(leaves("u"), 112.0)
+    assert (box.state, wake_at_s(box.device)) == (OPEN, None)
 
 
 @pytest.mark.parametrize(("contacts", "state"), [(True, CLOSING), (False, OPEN)])

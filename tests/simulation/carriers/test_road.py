@@ -12,15 +12,7 @@ from network.files.crossing_road import CrossingRoad
 from network.model import Direction
 from simulation.carriers.road_demand import road_vehicles
 from study.evaluate.road_queueing import RISING_S, RoadRun
-from tests.simulation.carriers.roads import (
-    CROSSING,
-    PIECE,
-    POSITION_M,
-    Detected,
-    carried,
-    road_at,
-    road_of,
-)
+from tests.simulation.carriers.roads import CROSSING, PIECE, POSITION_M, Detected, carried, road_at, road_of
 
 WAY = ["1", "P2.stem", "P2.normal", "3", "P5.normal", "P5.stem", "6", "P7.stem", "P7.normal", "8"]
 STEP_S = 0.1
@@ -30,10 +22,7 @@ class WithRoad(Protocol):
     """`carried` in a folder of the test; what it made before is closed."""
 
     def __call__(
-        self,
-        road: CrossingRoad,
-        closures: Sequence[tuple[float, float]] = (),
-        end_s: float = 3600.0,
+        self, road: CrossingRoad, closures: Sequence[tuple[float, float]] = (), end_s: float = 3600.0
     ) -> RoadRun: ...
 
 
@@ -42,9 +31,7 @@ def with_road(tmp_path: Path) -> Iterator[WithRoad]:
     made: list[RoadRun] = []
 
     def make(
-        road: CrossingRoad,
-        closures: Sequence[tuple[float, float]] = (),
-        end_s: float = 3600.0,
+        road: CrossingRoad, closures: Sequence[tuple[float, float]] = (), end_s: float = 3600.0
     ) -> RoadRun:
         for one in made:
             one.carrier.close()
@@ -141,9 +128,7 @@ def test_who_stops_short_or_passes_first_strikes_nothing(with_road: WithRoad) ->
     assert run.carrier.collisions() == ()
 
 
-def test_a_train_on_the_crossing_is_there_to_its_rear_after_it_has_turned(
-    with_road: WithRoad,
-) -> None:
+def test_a_train_on_the_crossing_is_there_to_its_rear_after_it_has_turned(with_road: WithRoad) -> None:
     run = with_road(road_of(), [(1.0, 1000.0)])
     run.carrier.insert("T", [PIECE, "P7.stem"], Direction.DOWN, 200.0, 40.0)  # from 690 m to 730 m
     run.run([], 1)

@@ -48,6 +48,16 @@ def crept() -> Stage:
     return at_crossings().entry("A", leave).see("A", ("W+", 255.0), speed_mps=4.0)
 
 
+def again(stage: Stage) -> Stage:
+    """A creeps onto the road over W once more."""
+    return stage.put("A", "W+").see("A", ("W+", 245.0), ("W+", 255.0), speed_mps=4.0)
+
+
+def stopped(stage: Stage) -> Stage:
+    """The road over W is stopped for A, who has leave of him that guards it."""
+    return stage.world(RoadStopped(crossing_id="W", unit_id="A")).entry("A", GUARDED)
+
+
 def told(stage: Stage, kind: str) -> Stage:
     """The device of W has heard A."""
     heard = TookEffect(source="A", receiver="W", epoch=1, sequence=int(stage.t_s), kind=kind, correlation=1)
@@ -168,11 +178,21 @@ CROSSING_CASES: Final = (
         Checker.CROSSING_OPEN,
         at_crossings,
         lambda s: s.entry("A", GUARDED).see("A", ("W+", 255.0), speed_mps=4.0),
-        lambda s: (
-            s.world(RoadStopped(crossing_id="W", unit_id="A"))
-            .entry("A", GUARDED)
-            .see("A", ("W+", 255.0), speed_mps=4.0)
-        ),
+        lambda s: stopped(s).see("A", ("W+", 255.0), speed_mps=4.0),
+    ),
+    Case(
+        "a second time by leave for once",
+        Checker.CROSSING_OPEN,
+        crept,
+        again,
+        lambda s: again(s.entry("A", CrossingCreep(crossing_id="W"))),
+    ),
+    Case(
+        "a second time, its road stopped once",
+        Checker.CROSSING_OPEN,
+        lambda: again(stopped(at_crossings())),
+        lambda s: again(s.entry("A", GUARDED)),
+        lambda s: again(stopped(s)),
     ),
     Case(
         "by leave to creep over another",

@@ -12,16 +12,16 @@ TO_BEGIN = (WorkingStep.ORDER, WorkingStep.MAN, WorkingStep.CLEAR, WorkingStep.P
 
 
 class Scene:
-    """A section S between stations, and one within a station, which is nobody's."""
+    """Sections S and T between stations, and one within a station, which is nobody's."""
 
     def __init__(self, *cut_out: str) -> None:
         self.log = Log()
-        self.watch = PilotWatch({"S": NEEDS}, self.log)
+        self.watch = PilotWatch({"S": NEEDS, "T": NEEDS}, self.log)
         for unit_id in cut_out:
             self.watch.see(CutOut(unit_id=unit_id))
 
-    def say(self, step: WorkingStep, unit_id: str = "") -> None:
-        self.watch.see(ProcedureStep(block="S", step=step.value, to_whom="", says="", unit_id=unit_id))
+    def say(self, step: WorkingStep, unit_id: str = "", block: str = "S") -> None:
+        self.watch.see(ProcedureStep(block=block, step=step.value, to_whom="", says="", unit_id=unit_id))
 
     def say_all(self, unit_id: str, but: WorkingStep | None = None) -> None:
         for step in NEEDS:
@@ -52,6 +52,13 @@ def test_what_must_be_done_before_a_train_comes_in_is_what_the_rules_say() -> No
 def test_by_the_pilots_leave_a_train_comes_in() -> None:
     scene = Scene("V1")
     scene.say_all("V1")
+    assert scene.come("V1") == ()
+
+
+def test_the_pilot_of_another_section_takes_no_leave_away() -> None:
+    scene = Scene("V1")
+    scene.say_all("V1")
+    scene.say(WorkingStep.BOARD, "V2", "T")
     assert scene.come("V1") == ()
 
 

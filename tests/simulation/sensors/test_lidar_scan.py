@@ -65,6 +65,14 @@ def test_points_of_a_standing_train_lie_on_the_markers() -> None:
     )
 
 
+def test_without_noise_points_lie_in_the_faces_of_upright_plates() -> None:
+    """In rows that are 0.25 m apart; where half a beam misses, its range is that of the edge."""
+    exact = scan_row(replace(HORIZON, range_sigma_m=0.0, angle_sigma_deg=0.0))
+    motion, rng = MarkerMotion(5.0, 0.0, 0.0), np.random.default_rng(1)
+    past_m = scan(exact, marker_places(1, 0.25), motion, 0.5, rng).x_m - 5.0
+    assert np.quantile(np.abs(past_m - 0.25 * np.round(past_m / 0.25)), 0.9) < 0.01
+
+
 def test_each_point_is_where_the_marker_was_at_its_time() -> None:
     motion = MarkerMotion(25.0, 10.0, -0.5)
     points = points_of(motion, 1.5)

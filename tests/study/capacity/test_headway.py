@@ -60,6 +60,7 @@ def test_by_hand(
 def test_who_stands_longer_than_a_train_must_holds_up_nobody() -> None:
     found = between("A", *two(DOWN, DOWN, "M"), dwell_min_s=20.0)[HeadwayKind.FOLLOWING]
     assert found.least_s == pytest.approx(300.0 + 20.0 + 15.0 + 10.0)  # 20 of the 60 that it stands at L
+    assert found.buffer_s == pytest.approx(7200.0 - 3600.0 - 345.0)
 
 
 def test_without_the_way_in_two_trains_would_share_a_track(monkeypatch: pytest.MonkeyPatch) -> None:

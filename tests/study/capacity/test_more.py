@@ -15,7 +15,7 @@ from scenario.scenario import load_scenario
 from simulation.setup import Setup
 from study.capacity import equipment, more
 from study.capacity.compression import compressed
-from study.capacity.cut import cut_of
+from study.capacity.cut import PartKind, cut_of
 from study.capacity.equipment import (
     LEVERS,
     EquipmentFigures,
@@ -145,6 +145,14 @@ def test_the_cut_changes_the_answer(morning: Setup) -> None:
     peak = peak_of(legs, day)
     assert peak.length_s == 7200.0
     assert day.from_s <= peak.from_s < peak.to_s <= day.to_s
+    both = rates_of(legs, cut_of(morning.line, "interval"), (day, peak), terms)
+    # UIC 406, 2nd edition: mixed traffic, and the band of nodes
+    assert {(rate.part.kind, rate.period.peak, rate.limit_share) for rate in both} == {
+        (PartKind.LINE, False, 0.60),
+        (PartKind.LINE, True, 0.75),
+        (PartKind.NODE, False, 0.60),
+        (PartKind.NODE, True, 0.80),
+    }
 
 
 def brute_more(rate: Rate) -> int:

@@ -36,15 +36,17 @@ def test_a_window_by_hand() -> None:
 
 
 def test_power_is_the_mean_since_the_row_before() -> None:
-    rows = [record(0.0, 0.5, given=7.0, taken=3.0), record(36.0, 0.48, given=11.0, taken=4.0)]
-    tables = battery_tables(rows, setup())
-    assert tables["battery"]["power_kw"].to_list() == [0.0, pytest.approx(300.0)]
+    flows = ((0.0, 7.0, 3.0), (36.0, 11.0, 4.0), (72.0, 12.0, 5.0))
+    tables = battery_tables(
+        [record(t_s, 0.5, given=given, taken=taken) for t_s, given, taken in flows], setup()
+    )
+    assert tables["battery"]["power_kw"].to_list() == [0.0, pytest.approx(300.0), 0.0]
 
 
 def test_what_does_not_balance_is_told() -> None:
-    rows = [record(0.0, 0.5), record(36.0, 0.5, given=6.0, taken=5.0, lost=0.0)]
+    rows = [record(0.0, 0.5), record(36.0, 0.5, given=6.0, taken=5.0, lost=0.5)]
     figures = battery_summary(battery_tables(rows, setup())["battery"], setup())["V1"]
-    assert figures["unbalanced_percent"] == pytest.approx(100.0 * -1.0 / 11.0)
+    assert figures["unbalanced_percent"] == pytest.approx(100.0 * -1.5 / 11.0)
 
 
 def test_the_least_charge_is_enough_and_a_minute_less_is_not() -> None:

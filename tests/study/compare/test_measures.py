@@ -6,7 +6,7 @@ import polars as pl
 import pytest
 
 from study.compare.comparison import compare, compare_two, verdict_of
-from study.compare.grids import inputs_grid, measures_grid, moved_matrix, rows_grid
+from study.compare.grids import inputs_grid, measures_grid, moved_matrix, once_grid, rows_grid
 from study.compare.measures import compare_rows, figures_of, measures_of
 from study.measures.missing import planned_times
 from study.measures.summary import energy_summary
@@ -96,7 +96,7 @@ def test_figures_of_a_run_without_anything_are_none_or_nought(weekday: ReportedR
 
 def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: ReportedRun) -> None:
     margins = weekday.tables.margins.with_columns(
-        pl.when(pl.col("train") == "330M").then(-3.0).otherwise(40.0).alias("margin_s"),
+        pl.when(pl.col("train") == "330M").then(-3.0).otherwise(0.0).alias("margin_s"),
         pl.when(pl.col("train") == "331M").then(float("-inf")).otherwise(20.0).alias("margin_percent"),
     )
     found = list(figures_of(side(with_tables(weekday, margins=margins))))
@@ -104,6 +104,8 @@ def test_margins_name_their_hop_and_leave_out_what_no_train_can_run(weekday: Rep
     assert (least.value, least.where.en) == (-3.0, "330M Karasuyama – Hoshakuji")
     percent = next(f for f in found if (f.group, f.name, f.unit) == ("margins", "smallest planned", "%"))
     assert percent.value == 20.0
+    short = next(f for f in found if f.name == "hops that the plan cannot keep")
+    assert short.value == margins.filter(train="330M").height > 0  # to do what it can just do is kept
 
 
 def test_energy_by_distance_is_told_with_and_without_layovers_as_the_report_tells_it(
@@ -130,10 +132,14 @@ def test_rows_are_matched_by_name_and_told_where_they_differ(weekday: ReportedRu
     base, new = side(weekday), side(with_tables(weekday, energy=more), "new")
     (row,) = compare_rows(base, new, "energy")
     assert row.names == ("333M",) and row.by("net_kwh") == pytest.approx(2.5)
+    (net,) = (m for m in measures_of((base, new)) if (m.group, m.name, m.unit) == ("energy", "net", "kWh"))
+    assert net.by(1) == pytest.approx(2.5)
     without = side(with_tables(weekday, energy=energy.filter(pl.col("train") != "333M")), "new")
     (gone,) = compare_rows(base, without, "energy")
     assert gone.values["net_kwh"][1] is None
     assert gone.by("net_kwh") == pytest.approx(-float(energy.filter(pl.col("train") == "333M")["net_kwh"][0]))
+    (came,) = compare_rows(without, base, "energy")
+    assert came.by("net_kwh") == pytest.approx(-float(gone.by("net_kwh") or 0.0))
 
 
 def test_telegrams_are_counted_by_kind_whoever_sent_them(weekday: ReportedRun) -> None:
@@ -168,6 +174,9 @@ def test_every_grid_has_as_many_cells_as_headings(weekday: ReportedRun) -> None:
     pair = compare_two(base, new, 1.0)
     for grid in (moved_matrix(pair, new), inputs_grid(pair), *(rows_grid(pair, t, new) for t in pair.rows)):
         assert all(len(row) == len(grid.header) for row in grid.rows)
+    last = pl.when(train="347M", station="KRS").then(None).otherwise(pl.col("arrival_s")).alias("arrival_s")
+    gone = side(with_tables(weekday, stops=weekday.tables.stops.with_columns(last)), "gone")
+    assert [row[3] for row in once_grid(compare_two(base, gone, 1.0), gone).rows] == ["base"]
     matrix = moved_matrix(pair, new)
     assert {cell for row in matrix.rows for cell in row[2:]} <= {"· / +9", ""}
 

@@ -65,6 +65,7 @@ def test_lateness_punctuality_and_what_is_missing() -> None:
     assert figures.within == (0.4, 0.4, 0.6)
     never_s = (END_S - 300.0, END_S - 500.0)  # 2 at A, 3 at B
     assert figures.mean_late_s == pytest.approx((30 + 200 - 10 + sum(never_s)) / 5, abs=1e-3)
+    assert figures.mean_delay_s == pytest.approx((30 + 200 + sum(never_s)) / 5, abs=1e-3)
     assert (figures.median_late_s, figures.worst_late_s) == (200.0, never_s[0])
     assert (figures.worst_train, figures.worst_station) == ("2", "A")
     assert figures.lost_train_minutes == pytest.approx((200 + sum(never_s)) / 60, abs=1e-3)
@@ -139,6 +140,10 @@ def test_who_begins_later_by_order_and_never_comes_to_its_end_is_missing() -> No
     figures = figures_of_stops(begun, plan({"1": ONE}), 5000.0)
     assert (figures.missing, figures.shortened) == (("1",), ("1",))
     assert figures.worst_late_s == 5000.0 - 100.0
+    came = [begun[0], stop("1", "B", 100.0, 100.0), stop("1", "C", 200.0, 200.0)]
+    assert (
+        figures_of_stops(came, plan({"1": ONE})).lost_train_minutes == 60.0
+    )  # as stated, though it ends in time
 
 
 def test_a_train_that_calls_but_once_has_arrived_when_it_leaves() -> None:

@@ -197,6 +197,7 @@ def test_late_until_a_departure_on_time_the_last_stop_or_for_ever(setup: Setup) 
         stop("2", "A", (2300.0, None), (2350.0, None)),
     ]
     assert late_stretches(last, plan) == (LateStretch(1860.0, 2350.0),)
+    assert late_stretches(last[:4], plan) == (LateStretch(1860.0, 5900.0, over=False),)  # it never comes to A
     never = [*ON_TIME[:3], stop("2", "C", (None, 1800.0), (None, None))]
     assert late_stretches(never, plan) == (LateStretch(1860.0, 5900.0, over=False),)
     assert late_stretches(ON_TIME[:3], plan) == (LateStretch(1860.0, 5900.0, over=False),)
@@ -220,6 +221,8 @@ def test_what_is_cut_grows_to_what_is_stated_once(setup: Setup) -> None:
     ]
     ended = replace(result(cut), cut=("1",))
     never_s = 5900.0 - 2300.0 - 100.0  # by which its set was late already
+    late = LateStretch(1230.0 + 60.0, 1500.0 + 600.0 + 60.0)
+    assert late_stretches(cut, setup.timetable, 1850.0) == (late,)
     assert split(delays_of(ended, setup)) == [
         ("1", "B", 0.0, 0.0, 100.0),
         ("1", "B", 0.0, 500.0, 0.0),
@@ -242,7 +245,9 @@ def test_a_day_that_never_recovers_has_no_recovery_of_none(setup: Setup) -> None
 
 def test_a_delay_is_over_when_the_stretch_in_which_it_came_is(setup: Setup) -> None:
     stretches = (LateStretch(100.0, 400.0), LateStretch(600.0, 700.0))
-    assert recoveries_s([150.0, 650.0, 500.0], stretches) == (250.0, 50.0, 0.0)
+    assert recoveries_s([100.0, 650.0, 400.0], stretches) == (300.0, 50.0, 0.0)
+    meets = LateStretch(400.0, 500.0, over=False)
+    assert joined_stretches((*stretches, meets)) == (LateStretch(100.0, 500.0, over=False), stretches[1])
 
 
 SPANS = st.lists(st.tuples(st.integers(0, 100), st.integers(0, 30)), max_size=8)

@@ -1,7 +1,8 @@
 """The table of how hops were driven: records made by hand, with their figures by hand."""
 
 from dataclasses import fields, replace
-from typing import Final
+from types import SimpleNamespace
+from typing import Any, Final
 
 import polars as pl
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from network.units import J_PER_KWH
 from simulation.result import COUNTED, DRAWN, EnergyPhase, EnergyRecord
 from simulation.ride import Ride
-from study.measures.driving import Stock, driven_hops, driving_summary, driving_sums
+from study.measures.driving import Stock, driven_hops, driving_summary, driving_sums, driving_table
 from study.record.driving import DrivenHop
 from study.record.figure import rows_in, schema_of
 from study.record.tables import ROWS, make_table
@@ -29,15 +30,7 @@ def run_of(
     joules = (figure * J_PER_KWH for figure in kwh)
     counted_j = dict.fromkeys(COUNTED, 0.0) | dict(zip(DRAWN, (*joules, 9e6), strict=True))
     return EnergyRecord(
-        unit,
-        train,
-        True,
-        EnergyPhase.RUNNING,
-        *ends.split("-"),
-        *times_s,
-        ride.moved_m,
-        counted_j,
-        ride=ride,
+        unit, train, True, EnergyPhase.RUNNING, *ends.split("-"), *times_s, ride.moved_m, counted_j, ride=ride
     )
 
 
@@ -57,6 +50,16 @@ LATE: Final = {("T1", "A", "B"): -8.0, ("T1", "B", "C"): 2.0}
 
 def hops() -> tuple[DrivenHop, ...]:
     return driven_hops(HOPS, STOCKS, LATE, {("T1", "B"): 0.1})
+
+
+def test_a_hop_is_late_by_what_was_not_left_on_its_arrival() -> None:
+    kind = SimpleNamespace(regenerated_to=RegenerationReceiver.BATTERY)
+    result: Any = SimpleNamespace(energy=HOPS[:1])
+    setup: Any = SimpleNamespace(laws={"K1": "follow_plan"}, trains={"K1": kind})
+    ends = {"train": ["T1"], "from_station": ["A"], "to_station": ["B"], "left_s": [30.0]}
+    stops = {"train": ["T1"], "station": ["B"], "stop_error_m": [0.2], "cancelled": [False]}
+    row = driving_table(result, setup, pl.DataFrame(ends), pl.DataFrame(stops)).row(0, named=True)
+    assert (row["law"], row["late_s"], row["stop_error_m"]) == ("follow_plan", -30.0, 0.2)
 
 
 def test_hops_worked_out_by_hand() -> None:

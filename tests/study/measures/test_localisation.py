@@ -40,9 +40,9 @@ def test_half_widths_and_the_largest_error() -> None:
 
 
 def test_while_it_does_not_know_where_it_is_nothing_counts() -> None:
-    run = tables([(5.0, "V1", LOST), (9.0, "V1", FOUND), (2.0, "world", LOST)])
-    assert known_positions(run)["t_s"].to_list() == [0.0, 1.0, 2.0, 3.0, 4.0]
-    assert localisation_summary(run, {})["lost_s"] == {"V1": 4.0}
+    run = tables([(5.0, "V1", LOST), (8.0, "V1", FOUND), (2.0, "world", LOST)])
+    assert known_positions(run)["t_s"].to_list() == [0.0, 1.0, 2.0, 3.0, 4.0, 9.0]
+    assert localisation_summary(run, {})["lost_s"] == {"V1": 3.0}
 
 
 def test_one_that_never_finds_it_has_lost_it_to_the_end() -> None:

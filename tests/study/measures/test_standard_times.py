@@ -14,7 +14,14 @@ from onboard.driving_settings import Driving
 from scenario.scenario import load_scenario
 from simulation.settings import Load
 from simulation.setup import Setup
-from study.measures.standard_times import least_by_leg, planned_runs, standard_times, whole_line
+from study.measures.running_times import planned_legs
+from study.measures.standard_times import (
+    least_by_leg,
+    planned_runs,
+    smallest_margins,
+    standard_times,
+    whole_line,
+)
 
 PASSING = """
 [timetable]
@@ -91,7 +98,12 @@ def test_passing_parts_add_up_to_the_run_between_the_stops(passing: Setup) -> No
     # Latest arrival at Ogane: planned, for nobody gets on; at Taki so that the least dwell is kept.
     assert runs[1].due_s == 7 * 3600 + 15 * 60
     assert runs[2].due_s == 7 * 3600 + 22 * 60
-    assert runs[0].margin_s == pytest.approx(440.0 - runs[0].least_s)
+    margin_s = 440.0 - runs[0].least_s
+    assert runs[0].margin_s == pytest.approx(margin_s)
+    assert runs[0].as_dict()["margin_percent"] == round(100.0 * margin_s / runs[0].least_s, 1)
+    assert runs[0].least_s + runs[1].least_s == pytest.approx(planned_legs(passing)[0].least_s, abs=0.1)
+    tight = replace(runs[0], due_s=runs[0].due_s - 1.0)
+    assert list(smallest_margins((runs[0], tight, runs[0])).values()) == [tight]
 
 
 def test_a_train_of_another_kind_and_a_slower_line_need_more(setup: Setup) -> None:

@@ -40,6 +40,14 @@ def test_who_has_booted_outside_comes_in_without_an_emergency(view: StockView) -
     assert not view.emergency
 
 
+def test_who_resumes_runs_if_it_had_departed(view: StockView) -> None:
+    resumed = notes.Resumed(next_target=1)
+    took(view, 0.0, notes.MissionBegun(train="323M", direction="down"), resumed)
+    assert view.doing is DutyStage.STANDING
+    took(view, 100.0, notes.Departs(station="HSK"), resumed)
+    assert view.doing is DutyStage.RUNNING
+
+
 def test_who_was_driven_off_the_line_by_hand_is_to_come_as_its_next_train(view: StockView) -> None:
     """The unit that is cut out says nothing of the train as which it leaves."""
     took(view, 0.0, notes.MissionBegun(train="323M", direction="down"), notes.MissionDone(train="323M"))

@@ -282,7 +282,10 @@ def test_a_set_keeps_its_colour_whatever_is_chosen(read: RunRead, name: str) -> 
     if name == "battery":  # the set stands, and nothing is written down of it for a while
         panel = next(axes for axes in part.axes if axes.get_ylabel().startswith(second))
         assert panel.get_xlim()[0] == gone_s
-        assert panel.lines[2].get_xdata()[0] <= gone_s
+        empty, reserve, charge = panel.lines[:3]
+        assert charge.get_xdata()[0] <= gone_s
+        assert empty.get_ydata()[0] < reserve.get_ydata()[0]
+        assert (empty.get_linestyle(), reserve.get_linestyle()) == ("-", "--")
 
 
 def test_whatever_is_waited_for_is_seen_and_blank_is_who_waits_for_nothing() -> None:

@@ -75,7 +75,7 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
             "regenerated_to": ["battery", "battery"], "distance_km": [2.0, 1.0],
             "running_s": [200.0, 100.0], "standing_s": [60.0, 30.0],
             "traction_kwh": [10.0, 4.5], "regenerated_kwh": [3.0, 1.0], "auxiliary_kwh": [2.0, 0.25],
-            "standing_kwh": [0.5, 0.05], "net_kwh": [9.0, 3.75], **{name: [0.0, 0.0] for name in PARTS},
+            "standing_kwh": [0.5, 0.05], "net_kwh": [9.0, 3.75], **{name: [0.0, 0.25] for name in PARTS},
         },
     )  # fmt: skip
     layovers = make_table(
@@ -83,7 +83,7 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
         {
             "unit": ["U"], "station": ["C"], "after_train": ["1"], "before_train": ["3"], "from_s": [0.0],
             "to_s": [60.0], "traction_kwh": [0.0], "regenerated_kwh": [0.0], "auxiliary_kwh": [0.75], "net_kwh": [0.75],
-            **{name: [0.0] for name in PARTS},
+            **{name: [0.5] for name in PARTS},
         },
     )  # fmt: skip
     telegrams = make_table(
@@ -99,21 +99,22 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
     assert (summary["trains_planned"], summary["trains_arrived"]) == (2, 1)
     assert arrived_trains(tables.stops, timetable()) == {"1"}
     assert summary["late_s_max"] == 3600.0  # train 3 never came to C
-    assert summary["late_at"] == {
-        "train": "3",
-        "station": "C",
-        "what": "missing arrival",
-        "late_s": 3600.0,
-    }
+    assert summary["late_at"] == {"train": "3", "station": "C", "what": "missing arrival", "late_s": 3600.0}
     assert summary["early_departure_s_max"] == 5.0
     assert summary["early_at"] == {"train": "1", "station": "A", "what": "departure", "late_s": -5.0}
     assert summary["stops"] == 4
     # Errors 0.1, -0.3, 0.5, 0.1: mean 0.1, deviations 0, -0.4, 0.4, 0: sigma = sqrt(0.32 / 3).
     assert summary["stop_error_m_mean"] == pytest.approx(0.1)
     assert summary["stop_error_m_sigma"] == pytest.approx((0.32 / 3) ** 0.5)
-    short = {**parts, "stops": small_stops().with_columns(-pl.col("stop_error_m"))}
-    for each in (summary, summarise(RunTables(**{**empty(), **short}), timetable())):
-        assert each["stop_error_m_max_abs"] == 0.5  # beyond the mark, or short of it
+    kinds = {"A": "pass", "B": "operational", "C": "stop"}
+    kind = pl.col("station").replace(kinds).alias("kind")
+    cut = (pl.col("planned_arrival_s").is_not_null() & pl.col("arrival_s").is_null()).alias("cancelled")
+    short = {**parts, "stops": small_stops().with_columns(pl.col("stop_error_m") * -2.0, kind, cut)}
+    wide = summarise(RunTables(**{**empty(), **short}), timetable())
+    assert (wide["stop_error_m_max_abs"], wide["stops_off"], wide["stop_off_at"]["error_m"]) == (1.0, 2, -1.0)
+    assert wide["late_passing_at"] == {"train": "3", "station": "A", "late_s": 2.0}
+    assert [wide["trains_cancelled"], wide["trains_shortened"], summary["trains_shortened"]] == [0, 1, 0]
+    assert summary["stop_error_m_max_abs"] == 0.5
     assert summary["stops_off"] == 1
     off = summary["stop_off_at"]
     assert off["error_m"] == 0.5
@@ -130,6 +131,7 @@ def test_summary_of_a_small_run_worked_out_by_hand() -> None:
     assert told["net_kwh_per_train_km"] == pytest.approx({"trains": 4.25, "all": 4.5})
     assert told["net_kwh_per_car_km"] == pytest.approx({"trains": 2.125, "all": 2.25})
     assert told["regenerated_to"] == {"battery": 4.0}
+    assert told["parts"] == {name.removesuffix("_kwh"): 0.75 for name in PARTS}
     assert summary["telegrams"] == {"sent": 15, "delivered": 12, "lost": 2, "dropped": 1}
 
 

@@ -26,11 +26,7 @@ from study.report.occupancy import draw_occupancy
 from study.report.style import drawing
 from tests.nightly import others_nightly
 
-DAYS = (
-    ("karasuyama", "karasuyama_weekday"),
-    ("busy_line", "busy_line"),
-    ("rtri_test_line", "rtri_crossing"),
-)
+DAYS = (("karasuyama", "karasuyama_weekday"), ("busy_line", "busy_line"), ("rtri_test_line", "rtri_crossing"))
 
 
 def one_each_way(run: ReportedRun) -> list[tuple[str, str]]:
@@ -149,12 +145,7 @@ def test_a_graph_whose_numbers_are_put_anywhere_is_found_out(
 
 
 boxes = st.builds(
-    Box,
-    st.floats(-50, 50),
-    st.floats(-50, 50),
-    st.floats(1, 30),
-    st.floats(1, 30),
-    st.floats(-np.pi, np.pi),
+    Box, st.floats(-50, 50), st.floats(-50, 50), st.floats(1, 30), st.floats(1, 30), st.floats(-np.pi, np.pi)
 )
 
 

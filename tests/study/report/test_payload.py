@@ -15,14 +15,7 @@ from study.record.tables import make_table
 from study.record.wait import Cause, Wait
 from study.report.beside import Beside
 from study.report.charts import draw_energy
-from study.report.courses import (
-    FINEST_FIRST,
-    Fineness,
-    blocks_shown,
-    courses_shown,
-    line_shown,
-    trains_shown,
-)
+from study.report.courses import FINEST_FIRST, Fineness, blocks_shown, courses_shown, line_shown, trains_shown
 from study.report.crossings import crossing_tables_shown
 from study.report.data import ReportedRun
 from study.report.packing import unpacked

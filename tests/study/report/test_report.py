@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import matplotlib as mpl
@@ -17,14 +18,16 @@ from matplotlib.figure import Figure
 
 from network.model import Direction
 from study.measures.summary import summarise
+from study.record.energy import PARTS
 from study.record.figure import schema_of
 from study.record.parts import Fact
 from study.record.tables import ROWS, RunTables, make_table
-from study.report.charts import draw_delays
+from study.report.charts import CallLateness, draw_delays
 from study.report.curve import draw_run_curve
 from study.report.data import ReportedRun, section_name, sections_in_order
-from study.report.facts import headline
+from study.report.facts import headline, parts_fact
 from study.report.graph import draw_train_graph
+from study.report.hop import DrivenHopShown
 from study.report.occupancy import draw_occupancy
 from study.report.papers import CHANGES_SHOWN, EVENTS_SHOWN_MAX, REFUSED_AGAIN_S, _changes, _events
 from study.report.report import BYTES_AIMED, write_report
@@ -158,6 +161,15 @@ def test_who_asks_again_and_again_is_one_line_with_a_count() -> None:
         (13.0, ["service brake", "service brake"]),
         (11.5 + REFUSED_AGAIN_S, ["refused: K1", "K1を拒否"]),
     ]
+
+
+def test_single_figures_are_those_that_their_words_say() -> None:
+    assert CallLateness(5.0, 12.0).worse_s == CallLateness(12.0, None).worse_s == 12.0
+    hop: Any = SimpleNamespace(running_kwh=1.234, run_s=90.0, distance_m=1000.0)
+    assert DrivenHopShown("321M", hop, pl.DataFrame()).text == "321M: 1.23 kWh, 90 s"
+    parts = {name.removesuffix("_kwh"): 0.0 for name in PARTS} | {"resistance": 5.0}
+    went = parts_fact({"energy": {"parts": parts, "all": {"auxiliary": 7.0}}})
+    assert re.findall(r"\d\.\d", went.value.en) == ["7.0", "5.0"]  # auxiliaries first
 
 
 def test_stops_off_their_marks_stand_out(weekday: ReportedRun) -> None:
@@ -315,9 +327,7 @@ def test_delays_are_arrivals_and_departures(make_day: Callable[[str, str], Repor
     assert [text.get_text() for text in figure.axes[0].texts] == ["/+7", "−12/"]
 
 
-def test_a_planned_call_to_which_nobody_came_is_no_blank(
-    make_day: Callable[[str, str], ReportedRun],
-) -> None:
+def test_a_planned_call_to_which_nobody_came_is_no_blank(make_day: Callable[[str, str], ReportedRun]) -> None:
     """A train that never came is not shown as one that does not call there."""
     day = make_day("rtri_test_line", "rtri_test_line")
     run = with_table(day, stops=day.tables.stops[:1])

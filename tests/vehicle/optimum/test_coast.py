@@ -10,13 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vehicle.optimum import Course, TooShort, least_energy, least_time
-from vehicle.optimum.coast import (
-    coast_down,
-    coast_run,
-    cruise_run,
-    cruising_run,
-    time_and_energy,
-)
+from vehicle.optimum.coast import coast_down, coast_run, cruise_run, cruising_run, time_and_energy
 from vehicle.optimum.mesh import laid_course
 from vehicle.train_file import load_train, shipped_train
 
