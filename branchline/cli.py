@@ -11,9 +11,10 @@ from collections.abc import Callable
 from copy import copy
 from functools import cache, partial
 from importlib.metadata import version
-from typing import Annotated, Final
+from typing import Annotated, Final, cast
 
 import typer
+from typer.core import TyperGroup
 
 from branchline.arranging import arrange
 from branchline.best import best
@@ -66,16 +67,14 @@ app.add_typer(verify, name="verify", rich_help_panel=RESEARCH)
 app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 
 
-def _with_command(name: str) -> typer.Typer:
-    """What has the command of that name alone, and all commands where there is none."""
+@cache
+def whole_command(name: str = "") -> TyperGroup:
+    """All commands, or that of the name alone, put together once a process: all take as long as a short command."""
     asked = copy(app)
     asked.registered_commands = [each for each in app.registered_commands if each.name == name]
     asked.registered_groups = [each for each in app.registered_groups if each.name == name]
-    return asked if asked.registered_commands or asked.registered_groups else app
-
-
-# Put together once a process, and the one that is asked for alone: all take as long as a short command.
-whole_command = cache(lambda name="": with_partners(typer.main.get_command(_with_command(name))))
+    found = asked if asked.registered_commands or asked.registered_groups else app
+    return with_partners(cast("TyperGroup", typer.main.get_command(found)))
 
 
 def main() -> None:

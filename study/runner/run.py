@@ -261,7 +261,7 @@ def execute(
     @cache
     @collecting_rarely()
     def figures() -> tuple[RunTables, dict[str, Any]]:
-        stage = say or (lambda _stage: None)
+        stage: Callable[[str], object] = say or (lambda _stage: None)
         stage("computing the tables")
         fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
         holds = section_holds(result, setup.line, setup.lengths_m)
