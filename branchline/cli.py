@@ -8,11 +8,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from copy import copy
 from functools import cache, partial
 from importlib.metadata import version
-from typing import Annotated, Final
+from typing import Annotated, Final, cast
 
 import typer
+from typer.core import TyperGroup
 
 from branchline.arranging import arrange
 from branchline.best import best
@@ -44,36 +46,20 @@ from branchline.verifying import verify
 from study.outcome import Outcome
 from vehicle.compiling import WATCHERS
 
-app = typer.Typer(
-    name="branchline",
-    pretty_exceptions_enable=False,
-)
+app = typer.Typer(name="branchline", pretty_exceptions_enable=False)
 COMPLETION: Final = "_BRANCHLINE_COMPLETE"  # set by a shell that asks what may follow on its command line
 PREPARE, RUN, READ = "Prepare: lines, timetables, trains, scenarios", "Run", "Read a finished run"
 ANALYSE, RESEARCH = "Analyse: running times, headways, capacity", "Research"
-COMMANDS: Final[tuple[tuple[str, Callable[..., None]], ...]] = (
-    (PREPARE, arrange),
-    (PREPARE, check),
-    (PREPARE, schema),
-    (RUN, run),
-    (RUN, drill),
-    (RUN, sweep),
-    (RUN, serve),
-    (RUN, certificates),
-    (RUN, serve_party),
-    (READ, report),
-    (READ, compare),
-    (READ, plot),
-    (ANALYSE, duties),
-    (ANALYSE, running_times),
-    (ANALYSE, headway),
-    (ANALYSE, capacity),
-    (ANALYSE, blocking),
-    (RESEARCH, reproduce),
-    (RESEARCH, bench),
+COMMANDS: Final[tuple[tuple[str, *tuple[Callable[..., None], ...]], ...]] = (
+    (PREPARE, arrange, check, schema),
+    (RUN, run, drill, sweep, serve, certificates, serve_party),
+    (READ, report, compare, plot),
+    (ANALYSE, duties, running_times, headway, capacity, blocking),
+    (RESEARCH, reproduce, bench),
 )
-for group, command in COMMANDS:
-    app.command(command.__name__.replace("_", "-"), rich_help_panel=group)(command)
+for group, *commands in COMMANDS:
+    for command in commands:
+        app.command(command.__name__.replace("_", "-"), rich_help_panel=group)(command)
 app.add_typer(makers, name="new", rich_help_panel=PREPARE)
 app.add_typer(importers, name="import", rich_help_panel=PREPARE)
 app.add_typer(exporters, name="export", rich_help_panel=READ)
@@ -81,8 +67,14 @@ app.add_typer(verify, name="verify", rich_help_panel=RESEARCH)
 app.add_typer(best, name="best", rich_help_panel=ANALYSE)
 
 
-# Put together once a process: that takes as long as a short command.
-whole_command = cache(lambda: with_partners(typer.main.get_command(app)))
+@cache
+def whole_command(name: str = "") -> TyperGroup:
+    """All commands, or that of the name alone, put together once a process: all take as long as a short command."""
+    asked = copy(app)
+    asked.registered_commands = [each for each in app.registered_commands if each.name == name]
+    asked.registered_groups = [each for each in app.registered_groups if each.name == name]
+    found = asked if asked.registered_commands or asked.registered_groups else app
+    return with_partners(cast("TyperGroup", typer.main.get_command(found)))
 
 
 def main() -> None:
@@ -94,7 +86,7 @@ def main() -> None:
 
 def _run_command(arguments: list[str]) -> Outcome:
     """Commands end by `typer.Exit` with the code of their outcome, or by coming to their end."""
-    command = whole_command()
+    command = whole_command(*arguments[:1])
     if os.environ.get(COMPLETION):
         command.main(arguments, "branchline", COMPLETION)  # answers and exits
     try:

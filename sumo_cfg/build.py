@@ -20,6 +20,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from network.code_store import CodeStore, kept_folder
 from network.errors import InputError
 from network.model import Line
 from sumo_cfg.road_net import RoadAt, with_roads
@@ -51,9 +52,7 @@ _FILES: Final[Mapping[str, str]] = MappingProxyType(
 _DIGEST_COMMENT: Final = re.compile(rb"<!-- branchline plain XML blake2b ([0-9a-f]{32}) -->")
 _COMMENT: Final = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
 _HEAD_BYTES: Final = 512
-NETS_KEPT: Final = 8
-# Those asked for last, by the digest of their plain XML, the latest at the end.
-_NETS: Final[dict[str, bytes]] = {}
+NETS: Final = CodeStore(kept_folder() / "nets")
 
 
 def build_net(line: Line) -> bytes:
@@ -116,12 +115,10 @@ def _plain_of(line: Line) -> PlainXml:
 
 
 def _net_of(plain: PlainXml, line_id: str, scratch: Path) -> bytes:
-    """As `convert`, once a process for the nets that are asked for again and again, where there is netconvert."""
-    _netconvert(line_id)
-    _NETS[plain.digest] = net = _NETS.pop(plain.digest, b"") or convert(plain, line_id, scratch)
-    if len(_NETS) > NETS_KEPT:
-        del _NETS[next(iter(_NETS))]
-    return net
+    """As `convert`, once for all runs on this machine, where there is netconvert."""
+    program = _netconvert(line_id).stat()
+    made_of = (plain.digest, Path(__file__).read_bytes(), program.st_size, program.st_mtime_ns)
+    return NETS.made(line_id, made_of, lambda: convert(plain, line_id, scratch))
 
 
 def net_digest(path: Path) -> str | None:

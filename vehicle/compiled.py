@@ -1,7 +1,7 @@
 """The one way this project compiles a law: numba, deterministic, kept on disk without going stale.
 
 Every function that Python calls becomes machine code of its own, with all that it calls inside it (`vehicle.linking`).
-What is kept is found again by what it depends on (`vehicle.code_key`), wherever it was compiled (`vehicle.code_store`).
+What is kept is found again by what it depends on (`vehicle.code_key`), wherever it was compiled (`network.code_store`).
 Fastmath stays off: same input, same bits.
 """
 
@@ -17,7 +17,7 @@ from typing import Any, Final, ParamSpec, TypeVar, cast
 
 import numpy as np
 
-from vehicle.code_store import CodeStore, kept_folder
+from network.code_store import CodeStore, kept_folder
 from vehicle.uncompiled import LATE, Uncompiled
 
 INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")

@@ -17,9 +17,9 @@ from numba.core import compiler, config, registry, serialize, types, typing
 from numba.core.cpu import CPUContext
 from numba.core.runtime import rtsys
 
+from network.code_store import CodeStore
 from vehicle import lazy_binding, linking
 from vehicle.code_key import Reached, key_of, type_text
-from vehicle.code_store import CodeStore
 from vehicle.compiling import begin_piece, note_written
 from vehicle.lazy_binding import Types
 

@@ -80,6 +80,7 @@ def unit_of(name: str) -> str:
     return ""
 
 
+@cache
 def fields_of(row: type) -> tuple[Field, ...]:
     """The fields of a record in order. TypeError, naming record and field, for what no record can hold."""
     table: type = row
@@ -105,6 +106,7 @@ def fields_of(row: type) -> tuple[Field, ...]:
     return tuple(fields)
 
 
+@cache
 def dtype_of(row: type) -> np.dtype[np.void]:
     """The aligned numpy dtype of a record."""
     columns: list[Any] = []

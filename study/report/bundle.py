@@ -36,12 +36,12 @@ def style_sheet() -> str:
 @cache
 def words_of_the_page() -> dict[str, str]:
     """The catalogue's Japanese for what the modules say, by English, with the context as gettext joins them."""
-    text = "".join(modules().values())
+    quoted = set("".join(modules().values()).replace(r"\"", "'").split('"'))
     return {
         f"{context}\u0004{english}" if context else english: said.ja
         for context in PAGE_CONTEXTS
         for english, said in phrases_of(context).items()
-        if json.dumps(english, ensure_ascii=False) in text
+        if json.dumps(english, ensure_ascii=False)[1:-1].replace(r"\"", "'") in quoted
     }
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from hashlib import blake2b
 from importlib.metadata import version
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import Final
 
-from vehicle.code_store import CodeStore, kept_folder
+from network.code_store import CodeStore, kept_folder
 
 FAMILY: Final = "branchline-ja"  # named last in the page's list of fonts, before what the machine has
 FACE: Final = "/* Japanese characters of this page */"  # where the template has it
@@ -36,13 +35,9 @@ def japanese_face(page: str) -> str:
     path = japanese_font()
     if not wanted or path is None:
         return ""
-    store = CodeStore(kept_folder() / "fonts")
     made_by = (Path(__file__).read_bytes(), version("fonttools"), version("matplotlib-fontja"))
-    key = blake2b(repr((wanted, made_by)).encode(), digest_size=16).hexdigest()
-    kept = store.read(FAMILY, key)
-    if kept is None:
-        kept = _subset(path, wanted)
-        store.write(FAMILY, key, kept)
+    fonts = CodeStore(kept_folder() / "fonts")
+    kept = fonts.made(FAMILY, (wanted, made_by), lambda: _subset(path, wanted))
     data = b64encode(kept).decode("ascii")
     return f'@font-face {{ font-family: "{FAMILY}"; src: url(data:font/woff;base64,{data}) format("woff"); }}'
 

@@ -248,7 +248,8 @@ def test_check_prints_one_object(main: Callable[..., Any]) -> None:
 def test_every_command_stands_in_a_group_and_its_help_begins_with_one_short_sentence() -> None:
     whole = whole_command()
     assert isinstance(whole, TyperGroup)
-    for command in whole.commands.values():
+    for name, command in whole.commands.items():
+        assert list(whole_command(name).commands) == [name]  # put together alone
         first = (command.help or "").partition("\n\n")[0].strip()
         assert first.endswith(".") and ". " not in first and len(first) < 120, first
         assert getattr(command, "rich_help_panel", None) in {PREPARE, RUN, READ, ANALYSE, RESEARCH}

@@ -5,11 +5,13 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from network.code_store import CodeStore
 from network.errors import InputError
 from network.files.line_file import load_line, parse_line
 from network.files.shipped import shipped_line, shipped_names
@@ -105,24 +107,18 @@ def test_a_damaged_net_in_the_cache_is_built_again(tmp_path: Path, changed_line:
     assert build.net_for(changed_line, tmp_path).read_bytes() == whole
 
 
-def test_in_one_process_a_net_is_made_once_and_given_to_no_other_line(
+def test_a_net_is_made_once_and_given_to_no_other_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: Line, with_gradient: Callable[[Line, float], Line]
 ) -> None:
-    made: list[str] = []
-    convert = build.convert
-
-    def counted(plain: PlainXml, line_id: str, scratch: Path | None = None) -> bytes:
-        made.append(plain.digest)
-        return convert(plain, line_id, scratch)
-
-    monkeypatch.setattr(build, "convert", counted)
+    monkeypatch.setattr(build, "convert", made := Mock(wraps=build.convert))
+    monkeypatch.setattr(build, "NETS", CodeStore(tmp_path / "kept"))
     lines = [with_gradient(line, permille) for permille in (7.0, 8.0)]
     assert {changed.id for changed in lines} == {line.id}
     for folder in ("one", "two"):
         for changed in lines:
             net = build.net_for(changed, tmp_path / folder)
             assert build.net_digest(net) == write_plain(changed).digest
-    assert made == [write_plain(changed).digest for changed in lines]
+    assert [call.args[0] for call in made.mock_calls] == [write_plain(changed) for changed in lines]
 
 
 @pytest.fixture

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from numba.core import config, registry
 
+from network.code_store import KEPT, CodeStore
 from vehicle import compiled as decorator
 from vehicle import compiling, entries
 from vehicle.code_key import UnknownValueError, key_of
-from vehicle.code_store import KEPT, CodeStore
 from vehicle.compiling import Compilation
 from vehicle.entries import Entry
 

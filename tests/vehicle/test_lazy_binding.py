@@ -9,8 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 import pytest
 
+from network.code_store import CodeStore
 from vehicle import compiled as decorator
-from vehicle.code_store import CodeStore
 from vehicle.entries import Entry
 from vehicle.record import dtype_of
 

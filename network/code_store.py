@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import fcntl
 import os
-from collections.abc import Iterable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext, suppress
 from hashlib import blake2b
 from pathlib import Path
 from typing import Final
@@ -35,6 +35,14 @@ class CodeStore:
         self.folder = folder
         self._others = tuple(others)
 
+    def made(self, name: str, made_of: object, make: Callable[[], bytes]) -> bytes:
+        """The piece of that name and of all that `made_of` says in its repr; made and kept where there is none."""
+        key = blake2b(repr(made_of).encode(), digest_size=16).hexdigest()
+        found = self.read(name, key)
+        if found is None:
+            self.write(name, key, found := make())
+        return found
+
     def read(self, name: str, key: str) -> bytes | None:
         """The piece of that name and key; None if there is none, or none that is whole."""
         for folder in (*self._others, self.folder):
@@ -46,7 +54,8 @@ class CodeStore:
             seal, data = found[:SEAL_BYTES], found[SEAL_BYTES:]
             if seal == _seal(name, key, data):
                 if folder is self.folder:
-                    _used_now(file)
+                    with suppress(OSError):  # a folder that is only read
+                        os.utime(file)
                 return data
         return None
 
@@ -76,10 +85,8 @@ class CodeStore:
         """Delete the pieces of a name that were not used for longest."""
         dated: list[tuple[float, Path]] = []
         for file in self.folder.glob(_file_name(name, "?" * 32)):
-            try:
+            with suppress(FileNotFoundError):  # another process has deleted it
                 dated.append((file.stat().st_mtime, file))
-            except FileNotFoundError:  # another process has deleted it
-                continue
         for _, file in sorted(dated, reverse=True)[KEPT:]:
             file.unlink(missing_ok=True)
 
@@ -90,10 +97,3 @@ def _file_name(name: str, key: str) -> str:
 
 def _seal(name: str, key: str, data: bytes) -> bytes:
     return blake2b(f"{name} {key} ".encode() + data, digest_size=SEAL_BYTES).digest()
-
-
-def _used_now(file: Path) -> None:
-    try:
-        os.utime(file)
-    except OSError:  # a folder that is only read
-        return
