@@ -141,8 +141,10 @@ def run_drill(
         "script": [_course_dict(course) for course in run.result.courses],
         "scores": scores.as_dict(),
     }
-    told_too = (_with_verdicts(run.tables, verdicts, end_s), run.summary | {"drill": told})
-    return Drill(replace(run, figures=lambda: told_too), verdicts, scores)
+    run = replace(
+        run, summary=run.summary | {"drill": told}, tables=_with_verdicts(run.tables, verdicts, end_s)
+    )
+    return Drill(run, verdicts, scores)
 
 
 def fill_drill(drill: Drill, place: Reserved) -> Path:

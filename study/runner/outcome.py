@@ -7,8 +7,7 @@ from simulation.events import Unsafe
 from simulation.judge.checkers import Checker
 from simulation.judge.rail import LowAdhesion
 from simulation.result import Ending, RunResult, Waiting
-from simulation.setup import STEPS_PER_S, Setup
-from study.feasibility.check import feasibility
+from simulation.setup import STEPS_PER_S
 from study.wording import outcome as words
 from study.wording.phrase import Phrase
 
@@ -92,19 +91,3 @@ def waiting_said(waiting: Waiting) -> Phrase:
     """Who stands where and waits for what, in a sentence."""
     form = words.STANDS if waiting.stands else words.ON_ITS_WAY
     return form.fill(train=waiting.number, unit=waiting.stock_id, place=waiting.place, what=waiting.waits_for)
-
-
-def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
-    """`broken_said` in English."""
-    return tuple(said.en for said in broken_said(result, setup))
-
-
-def broken_said(result: RunResult, setup: Setup) -> tuple[Phrase, ...]:
-    """What makes a run a failure: broken rules, what is missing to its end, and who waits for what."""
-    broken = [said for _, said in rules_said(result)]
-    missing = missing_said(result)
-    broken += missing
-    if missing:
-        broken += [waiting_said(waiting) for waiting in result.waiting]
-        broken += [Phrase(finding.sentence) for finding in feasibility(setup).not_as_printed]
-    return tuple(broken)

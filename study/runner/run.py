@@ -9,7 +9,6 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from functools import cache
 from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -40,6 +39,7 @@ from study.collect.energy import StockMake
 from study.collect.late import late_part, late_summary
 from study.collect.road import road_table
 from study.collect.tables_of_run import tables_of
+from study.feasibility.check import feasibility
 from study.measures.driving import driving_table
 from study.measures.localisation import localisation_summary
 from study.measures.register_holds import section_holds
@@ -70,7 +70,7 @@ from study.report.report import write_report
 from study.runner.collector import collecting_rarely
 from study.runner.crash import bugs_named
 from study.runner.devices import specs_of
-from study.runner.outcome import broken_said, outside_design, unfinished
+from study.runner.outcome import missing_said, outside_design, rules_said, unfinished, waiting_said
 from study.wording.phrase import Phrase
 from sumo_cfg.build import net_for
 from sumo_cfg.road_net import RoadAt
@@ -118,24 +118,13 @@ class CarrierKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class FinishedRun:
-    """A finished run. `failures` are what makes it a failure, one sentence each; tables and summary are computed once
-    somebody asks for them.
-    """
+    """A finished run. `failures` are what makes it a failure, one sentence each."""
 
     scenario: Scenario
     result: RunResult
+    summary: dict[str, Any]
+    tables: RunTables
     failures: tuple[Phrase, ...]
-    figures: Callable[[], tuple[RunTables, dict[str, Any]]]
-
-    @property
-    def tables(self) -> RunTables:
-        """All that is told of the run in rows."""
-        return self.figures()[0]
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """What it comes to."""
-        return self.figures()[1]
 
     @property
     def stopped(self) -> bool:
@@ -225,12 +214,13 @@ def execute(
     say: Callable[[str], None] | None = None,
     elsewhere: Elsewhere | None = None,
 ) -> FinishedRun:
-    """Run a scenario; nothing of it stays but a file in which its `journal` may grow. Raises Crashed for a bug.
+    """Run a scenario and compute its tables and summary. Writes nothing that stays, unless there is a file in which its
+    `journal` is to grow. Raises Crashed for a bug.
 
     With `[tuning] days` the same day runs that often, the trains learning; the result is that of the last one.
     `wrap` may put something around the carrier, to watch what it is asked to do, and `watch` around the parties;
-    `delay_ms` is how long sumo-gui takes over a step; once `stop` is true the run ends where it is. With
-    somebody to `say` it to, tables and summary are computed now. `elsewhere`: parties that people start elsewhere.
+    `delay_ms` is how long sumo-gui takes over a step; once `stop` is true the run ends where it is. `say`
+    is told what is computed after the last train. `elsewhere`: parties that people start on other machines.
     """
     with scratch(TEMPORARY) as folder:
         setup = scenario.setup
@@ -256,60 +246,52 @@ def execute(
         )
         setup, result = run_to_end(scenario, course, progress)
         wall_s = time.perf_counter() - started
+    stage = say or _in_silence
+    stage("computing the tables")
+    fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
+    holds = section_holds(result, setup.line, setup.lengths_m)
+    duties = chain.from_iterable(drawn_up(setup, setup.line).values())
+    booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties, setup.latest_end_s)
+    stage("comparing with second opinions")
+    opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
+    tables = replace(
+        booked,
+        driving=driving_table(result, setup, booked.margins, booked.stops),
+        comparisons=opinions,
+        waits=make_table("waits", waits_of(result, setup, holds)),
+        **battery_tables(result.battery, setup),
+        road=road_table(result.road, product(setup.roads, hours_run(result))),
+    )
     failures = broken_said(result, setup)
-
-    @cache
-    @collecting_rarely()
-    def figures() -> tuple[RunTables, dict[str, Any]]:
-        stage: Callable[[str], object] = say or (lambda _stage: None)
-        stage("computing the tables")
-        fleet = {stock_id: StockMake.of_kind(kind) for stock_id, kind in setup.trains.items()}
-        holds = section_holds(result, setup.line, setup.lengths_m)
-        duties = chain.from_iterable(drawn_up(setup, setup.line).values())
-        booked = tables_of(result, setup.line, fleet, holds, planned_legs(setup), duties, setup.latest_end_s)
-        stage("comparing with second opinions")
-        opinions = comparisons_of(result, setup, booked.energy, booked.layovers)
-        tables = replace(
-            booked,
-            driving=driving_table(result, setup, booked.margins, booked.stops),
-            comparisons=opinions,
-            waits=make_table("waits", waits_of(result, setup, holds)),
-            **battery_tables(result.battery, setup),
-            road=road_table(result.road, product(setup.roads, hours_run(result))),
-        )
-        summary = {
-            FORMAT_KEY: FORMAT,
-            "scenario": scenario.id,
-            "seed": setup.seed,
-            "link": link.value,
-            "carrier": carrier.value,
-            "digest": result.digest,
-            "motion_digest": result.motion_digest,
-            **summarise(tables, setup.timetable, setup.latest_end_s),
-            "latest_end_s": setup.latest_end_s,
-            "battery": battery_summary(tables.battery, setup),
-            "localisation": localisation_summary(tables, result.fixes),
-            "late": late_summary(result, setup),
-            "empty_workings_planned": len(result.empty_planned),
-            "empty_workings_arrived": len(result.empty_arrived),
-            "invariants_broken": len(result.violations),
-            "collisions": len(result.collisions),
-            "changes": [change.model_dump() for change in scenario.inputs.changes],
-            "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
-            "ended_because": result.ended_because.value,
-            "outside_design": list(outside_design(result)),
-            "unfinished": list(unfinished(result)),
-            "uncommissioned": list(result.uncommissioned),
-            "broken": [said.en for said in failures],
-            "simulated_s": (result.end_step - result.begin_step) * STEP_S,
-            "wall_s": round(wall_s, 3),
-        }
-        return tables, summary
-
+    summary = {
+        FORMAT_KEY: FORMAT,
+        "scenario": scenario.id,
+        "seed": setup.seed,
+        "link": link.value,
+        "carrier": carrier.value,
+        "digest": result.digest,
+        "motion_digest": result.motion_digest,
+        **summarise(tables, setup.timetable, setup.latest_end_s),
+        "latest_end_s": setup.latest_end_s,
+        "battery": battery_summary(tables.battery, setup),
+        "localisation": localisation_summary(tables, result.fixes),
+        "late": late_summary(result, setup),
+        "empty_workings_planned": len(result.empty_planned),
+        "empty_workings_arrived": len(result.empty_arrived),
+        "invariants_broken": len(result.violations),
+        "collisions": len(result.collisions),
+        "changes": [change.model_dump() for change in scenario.inputs.changes],
+        "violations": [f"{v.t_s:.1f} s {v.checker}: {v.text}" for v in result.violations],
+        "ended_because": result.ended_because.value,
+        "outside_design": list(outside_design(result)),
+        "unfinished": list(unfinished(result)),
+        "uncommissioned": list(result.uncommissioned),
+        "broken": [said.en for said in failures],
+        "simulated_s": (result.end_step - result.begin_step) * STEP_S,
+        "wall_s": round(wall_s, 3),
+    }
     run_so_far = replace(scenario, setup=replace(scenario.setup, until_s=setup.until_s))
-    if say is not None:
-        figures()
-    return FinishedRun(run_so_far, result, failures, figures)
+    return FinishedRun(run_so_far, result, summary, tables, failures)
 
 
 @contextmanager
@@ -338,6 +320,10 @@ def simulation_of(
                 yield simulation
             finally:
                 simulation.close()
+
+
+def _in_silence(_stage: str) -> None:
+    """Nobody is told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -389,7 +375,6 @@ def _write_files(run: FinishedRun, place: Reserved, drill: DrillShown | None, mo
     """All files of a run. The journal may be there already; what is worth most comes first."""
     folder, out, journal = place.folder, place.out, run.result.journal
     setup = run.scenario.setup
-    summary = run.summary | {"out": str(out)}  # computed before room is given back
     place.free_room()
     if journal.file == place.journal:
         journal.spill()
@@ -398,6 +383,7 @@ def _write_files(run: FinishedRun, place: Reserved, drill: DrillShown | None, mo
     run.tables.write(folder)
     if run.result.learned:
         write_whole(folder / LEARNED_FILE, learned_json(run.result.learned).encode())
+    summary = run.summary | {"out": str(out)}
     inputs = run.scenario.inputs
     summary_text = json.dumps(summary, indent=2, ensure_ascii=False) + "\n"
     write_whole(folder / SUMMARY_FILE, summary_text.encode())
@@ -413,6 +399,22 @@ def _write_files(run: FinishedRun, place: Reserved, drill: DrillShown | None, mo
     write_whole(folder / SHOWN_FILE, shown.as_json())  # last: with it the report can be made again
     facts, tuned = shown.facts(summary, inputs), shown.tuned(run.result.learned)
     write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, parts, more.beside)
+
+
+def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
+    """`broken_said` in English."""
+    return tuple(said.en for said in broken_said(result, setup))
+
+
+def broken_said(result: RunResult, setup: Setup) -> tuple[Phrase, ...]:
+    """What makes a run a failure: broken rules, what is missing to its end, and who waits for what."""
+    broken = [said for _, said in rules_said(result)]
+    missing = missing_said(result)
+    broken += missing
+    if missing:
+        broken += [waiting_said(waiting) for waiting in result.waiting]
+        broken += [Phrase(finding.sentence) for finding in feasibility(setup).not_as_printed]
+    return tuple(broken)
 
 
 def terminals_of(line: Line) -> tuple[str, ...]:

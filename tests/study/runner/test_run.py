@@ -23,12 +23,13 @@ from simulation.world.records import TRACE
 from study.record.directory import RUN_FILES, check_out
 from study.record.tables import RunTables
 from study.runner.devices import specs_of
-from study.runner.outcome import broken_by, outside_design
+from study.runner.outcome import outside_design
 from study.runner.run import (
     CarrierKind,
     FinishedRun,
     PartyLink,
     UnitsAt,
+    broken_by,
     execute,
     link_of,
     terminals_of,
