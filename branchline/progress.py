@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TextIO
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 def print_aside(text: str) -> None:
     """A line on stderr, if anybody is left to read it: a terminal that is gone ends nothing."""
+    _SPOKEN.last_s = time.monotonic()
     with silence_stream(sys.stderr):
         sys.stderr.write(text + "\n")
         sys.stderr.flush()
@@ -33,6 +35,69 @@ def silence_stream(stream: TextIO) -> Generator[None]:
 
 
 SPOKEN_AFTER_S: Final = 2.0  # of silence
+SILENT_S = SPOKEN_AFTER_S  # before a command says that it goes on
+
+
+@dataclass(slots=True)
+class Silence:
+    """When to say that a command still goes on: nobody has spoken for so long, and then ever less often."""
+
+    heard_s: float  # when anybody was heard last
+    after_s: float = SPOKEN_AFTER_S
+    times: int = 0  # that it was said on end
+
+    def is_due(self, now_s: float, spoken_s: float) -> bool:
+        """Whether it is to be said now, the others having spoken last at `spoken_s`."""
+        if spoken_s > self.heard_s:
+            self.heard_s, self.times = spoken_s, 0
+        if now_s - self.heard_s < self.after_s * 2**self.times:
+            return False
+        self.heard_s, self.times = now_s, self.times + 1
+        return True
+
+
+@dataclass(slots=True)
+class _Spoken:
+    """When the last line was said, and how many bars and searches there are that speak for themselves."""
+
+    last_s: float = 0.0
+    selves: int = 0
+
+
+_SPOKEN: Final = _Spoken()
+
+
+@contextmanager
+def _speaks_for_itself() -> Generator[None]:
+    _SPOKEN.selves += 1
+    try:
+        yield
+    finally:
+        _SPOKEN.selves -= 1
+        _SPOKEN.last_s = time.monotonic()
+
+
+@contextmanager
+def never_silent(what: str) -> Generator[None]:
+    """Says that something goes on where nobody has said anything for longer than a person waits."""
+    ended = threading.Event()
+    began_s = time.monotonic()
+
+    def watch() -> None:
+        silence = Silence(began_s, SILENT_S)
+        while not ended.wait(SILENT_S / 10):
+            now_s = time.monotonic()
+            if silence.is_due(now_s, now_s if _SPOKEN.selves else _SPOKEN.last_s):
+                print_aside(f"{what}: {now_s - began_s:.0f} s so far")
+                silence.heard_s = _SPOKEN.last_s
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
 
 
 @contextmanager
@@ -58,7 +123,8 @@ def said_if_long(what: str, *, ever_rarer: bool = True) -> Generator[Callable[[s
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
     try:
-        yield tell
+        with _speaks_for_itself():
+            yield tell
     finally:
         ended.set()
         watcher.join()
@@ -89,7 +155,10 @@ def progress_of(title: str) -> Generator[Callable[[float, float, int], None]]:
         TextColumn("{task.fields[clock]}  {task.fields[arrived]} trains arrived"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, transient=True, refresh_per_second=5) as bar:
+    with (
+        _speaks_for_itself(),
+        Progress(*columns, console=console, transient=True, refresh_per_second=5) as bar,
+    ):
         task = bar.add_task(title, total=1.0, clock="", arrived=0)
         first_s: list[float] = []
 
@@ -114,7 +183,7 @@ def progress_of_runs(title: str) -> Generator[Callable[[int, int], None]]:
         yield _told_by_quarters(title)
         return
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, auto_refresh=False) as bar:
+    with _speaks_for_itself(), Progress(*columns, console=console, transient=True, auto_refresh=False) as bar:
         task = bar.add_task(title, total=None)
 
         def show(done: int, total: int) -> None:
@@ -160,7 +229,10 @@ def progress_of_days(title: str) -> Generator[Callable[[int, int, str], None]]:
         TextColumn("{task.fields[left]}  {task.fields[found]}"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, transient=True, refresh_per_second=2) as bar:
+    with (
+        _speaks_for_itself(),
+        Progress(*columns, console=console, transient=True, refresh_per_second=2) as bar,
+    ):
         task = bar.add_task(title, total=None, left="", found="")
 
         def show(there: int, total: int, found: str) -> None:

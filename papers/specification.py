@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from network.errors import InputError
 from papers.parameter_sets import NotDriven, ParameterSet
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+from study.record.directory import made_folder
 
 # the module of each, imported only when asked for, has its name with _ for -
 REPRODUCTIONS: Final = (
@@ -108,7 +109,13 @@ class Specification:
     whole: tuple[str, ...] = ()
 
     def __call__(self, options: Options) -> Reproduction:
-        """Run the experiment and its null method, and draw where that is asked for."""
+        """Run the experiment and its null method, and draw if asked. InputError before, where nothing can be drawn."""
+        if options.out is None:
+            return self._reproduced(options)
+        with made_folder(out := Path(options.out), out):
+            return self._reproduced(options)
+
+    def _reproduced(self, options: Options) -> Reproduction:
         found = self.run(options)
         null = self.null.run(options) if found.null is None else found.null
         rows, remarks = list(found.rows), list(found.remarks)

@@ -1,11 +1,13 @@
 """What a person is told while something takes its time."""
 
+from collections.abc import Callable
 from threading import Event
+from typing import Any
 
 import pytest
 
 from branchline import progress
-from branchline.progress import CompilingShown, said_if_long
+from branchline.progress import CompilingShown, Silence, said_if_long
 from vehicle.compiling import Compilation
 
 
@@ -67,3 +69,17 @@ def test_what_takes_long_says_so_ever_less_often_or_every_2_s(
         done.wait()
     assert capsys.readouterr().err.splitlines() == [f"fitting: {s} s so far, curve 2" for s in told_s]
     assert waited_s == waits_s
+
+
+def test_a_command_is_never_silent_for_long_whoever_speaks(
+    main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Said after 2 s of silence, 4, 8; two seconds after anybody else has spoken it begins anew."""
+    silence = Silence(10.0)
+    asked = [(11.9, 10.0), (12.0, 10.0), (15.9, 10.0), (16.0, 10.0), (23.0, 23.0), (24.9, 23.0), (25.0, 23.0)]
+    assert [silence.is_due(*at) for at in asked] == [False, True, False, True, False, False, True]
+    monkeypatch.setattr("branchline.progress.SILENT_S", 0.01)
+    said = main("headway", "karasuyama_weekday", "--theory").err
+    assert "headway: 0 s so far\n" in said and said.count("so far") < 20
+    said = main("check", "karasuyama_weekday").err  # which speaks for itself, of where trains meet
+    assert said.count("check: ") < 10
