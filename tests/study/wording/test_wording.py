@@ -113,7 +113,7 @@ def test_what_a_set_lacks_to_its_next_charge_names_the_station() -> None:
 
 
 def test_doors_that_people_hold_open_are_no_fault() -> None:
-    """A late day would be one of a hundred faults. A brake that is not in order is one, and so is what a fault opens."""
+    """A late day would be one of a hundred faults. A brake out of order is one, and so is what a fault opens."""
     for why, kind in (("doors not closed", "doors"), ("doors not closed, brake not in order", "fault")):
         wording = wording_of(VehicleUnfit(why=why))
         assert wording is not None and wording.kind == kind
