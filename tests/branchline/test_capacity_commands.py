@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from branchline.compressing import _print_worth
+from branchline.compressing import _print_worth  # pyright: ignore[reportPrivateUsage]
 from network.clock import clock
 from scenario.scenario import load_scenario
 from study.capacity.occupation import OccupationCost
