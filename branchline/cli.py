@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from functools import cache, partial
 from importlib.metadata import version
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -52,7 +52,6 @@ app = typer.Typer(
 COMPLETION: Final = "_BRANCHLINE_COMPLETE"  # set by a shell that asks what may follow on its command line
 PREPARE, RUN, READ = "Prepare: lines, timetables, trains, scenarios", "Run", "Read a finished run"
 ANALYSE, RESEARCH = "Analyse: running times, headways, capacity", "Research"
-WAIT_FOR_PEOPLE: Final = ("serve", "serve-party")
 COMMANDS: Final[tuple[tuple[str, Callable[..., None]], ...]] = (
     (PREPARE, arrange),
     (PREPARE, check),
@@ -100,24 +99,13 @@ def _run_command(arguments: list[str]) -> Outcome:
     if os.environ.get(COMPLETION):
         command.main(arguments, "branchline", COMPLETION)  # answers and exits
     try:
-        words = command_words(command, arguments)
-        said = nullcontext() if words in WAIT_FOR_PEOPLE else never_silent(words)
+        waits = arguments[:1] in (["serve"], ["serve-party"])  # for people
+        said = nullcontext() if waits else never_silent(" ".join(arguments[:2]))
         with command.make_context("branchline", arguments) as context, said:
             command.invoke(context)
     except typer.Exit as ending:
         return next(outcome for outcome in Outcome if outcome.code == ending.exit_code)
     return Outcome.GOOD
-
-
-def command_words(command: Any, arguments: list[str]) -> str:  # noqa: ANN401 - a group or a command
-    """Those of the arguments that name the command: `new line`."""
-    words: list[str] = []
-    for word in arguments:
-        command = getattr(command, "commands", {}).get(word)
-        if command is None:
-            break
-        words.append(word)
-    return " ".join(words)
 
 
 def _print_version(asked: bool) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def print_aside(text: str) -> None:
     """A line on stderr, if anybody is left to read it: a terminal that is gone ends nothing."""
-    _SPOKEN.last_s = time.monotonic()
+    _SILENCE.last_s, _SILENCE.times = time.monotonic(), 0
     with silence_stream(sys.stderr):
         sys.stderr.write(text + "\n")
         sys.stderr.flush()
@@ -35,63 +35,22 @@ def silence_stream(stream: TextIO) -> Generator[None]:
 
 
 SPOKEN_AFTER_S: Final = 2.0  # of silence
-SILENT_S = SPOKEN_AFTER_S  # before a command says that it goes on
+SILENT_S = 2.5  # after which a command says that it goes on, and not before who speaks for himself
 
 
 @dataclass(slots=True)
-class Silence:
-    """When to say that a command still goes on: nobody has spoken for so long, and then ever less often."""
-
-    heard_s: float  # when anybody was heard last
-    after_s: float = SPOKEN_AFTER_S
-    times: int = 0  # that it was said on end
-
-    def is_due(self, now_s: float, spoken_s: float) -> bool:
-        """Whether it is to be said now, the others having spoken last at `spoken_s`."""
-        if spoken_s > self.heard_s:
-            self.heard_s, self.times = spoken_s, 0
-        if now_s - self.heard_s < self.after_s * 2**self.times:
-            return False
-        self.heard_s, self.times = now_s, self.times + 1
-        return True
+class _Silence:
+    last_s: float = 0.0  # when anybody spoke
+    times: int = 0  # that it was broken on end by saying that something goes on
 
 
-@dataclass(slots=True)
-class _Spoken:
-    """When the last line was said, and how many bars and searches there are that speak for themselves."""
-
-    last_s: float = 0.0
-    selves: int = 0
-
-
-_SPOKEN: Final = _Spoken()
+_SILENCE: Final = _Silence()
 
 
 @contextmanager
-def _speaks_for_itself() -> Generator[None]:
-    _SPOKEN.selves += 1
-    try:
-        yield
-    finally:
-        _SPOKEN.selves -= 1
-        _SPOKEN.last_s = time.monotonic()
-
-
-@contextmanager
-def never_silent(what: str) -> Generator[None]:
-    """Says that something goes on where nobody has said anything for longer than a person waits."""
+def _watched(watch: Callable[[threading.Event], None]) -> Generator[None]:
     ended = threading.Event()
-    began_s = time.monotonic()
-
-    def watch() -> None:
-        silence = Silence(began_s, SILENT_S)
-        while not ended.wait(SILENT_S / 10):
-            now_s = time.monotonic()
-            if silence.is_due(now_s, now_s if _SPOKEN.selves else _SPOKEN.last_s):
-                print_aside(f"{what}: {now_s - began_s:.0f} s so far")
-                silence.heard_s = _SPOKEN.last_s
-
-    watcher = threading.Thread(target=watch, daemon=True)
+    watcher = threading.Thread(target=watch, args=(ended,), daemon=True)
     watcher.start()
     try:
         yield
@@ -101,33 +60,38 @@ def never_silent(what: str) -> Generator[None]:
 
 
 @contextmanager
-def said_if_long(what: str, *, ever_rarer: bool = True) -> Generator[Callable[[str], None]]:
-    """Says what goes on if it takes longer than a person waits, and again after twice the time, or after as much.
+def never_silent(what: str) -> Generator[None]:
+    """Says that something goes on where nobody has said anything for longer than a person waits, ever less often."""
+    began_s = _SILENCE.last_s = time.monotonic()
 
-    What the block gives it is said with it.
-    """
-    ended = threading.Event()
+    def watch(ended: threading.Event) -> None:
+        while not ended.wait(SILENT_S / 10):
+            now_s, times = time.monotonic(), _SILENCE.times
+            if now_s - _SILENCE.last_s >= SILENT_S * 2**times:
+                print_aside(f"{what}: {now_s - began_s:.0f} s so far")
+                _SILENCE.times = times + 1
+
+    with _watched(watch):
+        yield
+
+
+@contextmanager
+def said_if_long(what: str) -> Generator[Callable[[str], None]]:
+    """Says what goes on whenever it takes longer than a person waits, with what the block gives it."""
     doing = ""
 
     def tell(text: str) -> None:
         nonlocal doing
         doing = f", {text}"
 
-    def watch() -> None:
-        so_far_s = wait_s = SPOKEN_AFTER_S
-        while not ended.wait(wait_s):
+    def watch(ended: threading.Event) -> None:
+        so_far_s = 0.0
+        while not ended.wait(SPOKEN_AFTER_S):
+            so_far_s += SPOKEN_AFTER_S
             print_aside(f"{what}: {so_far_s:g} s so far{doing}")
-            wait_s = so_far_s if ever_rarer else wait_s
-            so_far_s += wait_s
 
-    watcher = threading.Thread(target=watch, daemon=True)
-    watcher.start()
-    try:
-        with _speaks_for_itself():
-            yield tell
-    finally:
-        ended.set()
-        watcher.join()
+    with _watched(watch):
+        yield tell
 
 
 @contextmanager
@@ -155,10 +119,7 @@ def progress_of(title: str) -> Generator[Callable[[float, float, int], None]]:
         TextColumn("{task.fields[clock]}  {task.fields[arrived]} trains arrived"),
         TimeElapsedColumn(),
     )
-    with (
-        _speaks_for_itself(),
-        Progress(*columns, console=console, transient=True, refresh_per_second=5) as bar,
-    ):
+    with Progress(*columns, console=console, transient=True, refresh_per_second=5) as bar:
         task = bar.add_task(title, total=1.0, clock="", arrived=0)
         first_s: list[float] = []
 
@@ -167,6 +128,7 @@ def progress_of(title: str) -> Generator[Callable[[float, float, int], None]]:
                 first_s.append(now_s)
             share = (now_s - first_s[0]) / max(end_s - first_s[0], 1.0)
             clock = f"{int(now_s // 3600):02d}:{int(now_s % 3600 // 60):02d}"
+            _SILENCE.last_s = time.monotonic()
             bar.update(task, completed=share, clock=clock, arrived=arrived)
 
         yield show
@@ -183,7 +145,7 @@ def progress_of_runs(title: str) -> Generator[Callable[[int, int], None]]:
         yield _told_by_quarters(title)
         return
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with _speaks_for_itself(), Progress(*columns, console=console, transient=True, auto_refresh=False) as bar:
+    with Progress(*columns, console=console, transient=True, auto_refresh=False) as bar:
         task = bar.add_task(title, total=None)
 
         def show(done: int, total: int) -> None:
@@ -229,10 +191,7 @@ def progress_of_days(title: str) -> Generator[Callable[[int, int, str], None]]:
         TextColumn("{task.fields[left]}  {task.fields[found]}"),
         TimeElapsedColumn(),
     )
-    with (
-        _speaks_for_itself(),
-        Progress(*columns, console=console, transient=True, refresh_per_second=2) as bar,
-    ):
+    with Progress(*columns, console=console, transient=True, refresh_per_second=2) as bar:
         task = bar.add_task(title, total=None, left="", found="")
 
         def show(there: int, total: int, found: str) -> None:

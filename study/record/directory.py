@@ -208,10 +208,7 @@ def reserved(out: Path) -> Generator[Reserved]:
 
 @contextmanager
 def made_folder(folder: Path, out: Path) -> Generator[None]:
-    """A folder and those above it, made; those that were not there go again if nothing came into them.
-
-    Raises InputError of `out` where it cannot be made.
-    """
+    """A folder and those above it, made; new ones go again if nothing came into them. InputError of `out`."""
     above = folder
     new: list[Path] = []
     while not above.exists() and above != above.parent:

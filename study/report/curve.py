@@ -189,10 +189,10 @@ def mark_stations(run: ReportedRun, panels: tuple[Axes, ...], low_m: float, high
         axes.spines[:].set_color(RULE)
         for station in shown:
             axes.axvline(station.position_m, color=RULE, lw=0.8, zorder=0.5)
-    if not shown:
-        return
     labels = [station_label(station, "\n") for station in shown]
-    wide_pt = [max(text_pt(f" {name}", _STATION_PT) for name in label.split("\n")) for label in labels]
+    wide_pt = [max(text_pt(f" {name}", _STATION_PT) for name in label.split("\n")) for label in labels] or [
+        0.0
+    ]
     m_per_pt = (high_m - low_m) / max(PANEL_PT, math.fsum(wide_pt))  # of more than have room each has less
     within_m = low_m + m_per_pt * wide_pt[0] / 2, high_m - m_per_pt * wide_pt[-1] / 2
     gaps_m = [m_per_pt * (one + other) / 2 for one, other in pairwise(wide_pt)]

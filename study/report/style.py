@@ -236,10 +236,7 @@ def spread(
     gap_min: float | Sequence[float],
     within: tuple[float, float] = (-math.inf, math.inf),
 ) -> list[float]:
-    """Positions moved apart, in their order, to at least gap_min (or one for each two), as little as can be.
-
-    Less the gaps before them they are to rise: where they do not, all that is too close has one mean.
-    """
+    """Positions moved apart in their order to at least gap_min, or one for each two; what is too close keeps a mean."""
     gaps = [gap_min] * (len(positions) - 1) if isinstance(gap_min, float | int) else gap_min
     before = list(accumulate(gaps[: len(positions) - 1], initial=0.0))
     close: list[list[float]] = []

@@ -225,9 +225,7 @@ def wording_of(event: Noted) -> EventWording | None:
 
 def event_text(event: Noted, names: Names) -> Phrase:
     """An event as a sentence, with the names of stations."""
-    wording = wording_of(event)
-    if wording is None:
-        raise KeyError(type(event))
+    wording = wording_of(event) or EVENT_WORDINGS[type(event)]
     return wording.words.fill(
         **{name: _part(wording, name, value) for name, value in _values(event, names).items()}
     )

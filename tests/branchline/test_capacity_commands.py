@@ -2,15 +2,12 @@
 
 import csv
 import io
-import math
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from branchline.compressing import _print_worth  # pyright: ignore[reportPrivateUsage]
 from network.clock import clock
 from scenario.scenario import load_scenario
 from study.capacity.occupation import OccupationCost
@@ -177,11 +174,3 @@ def test_no_scenario_is_made_of_a_run_or_over_another_file(
     told = main("capacity", source, "--out", "more.toml" if source == "run" else "there.toml")
     assert told.code == 2
     assert ("SOURCE" if source == "run" else "exists already") in told.err
-
-
-def test_what_equipment_has_no_figure_for_is_a_dash(capsys: pytest.CaptureFixture[str]) -> None:
-    """On a line of two tracks there is nobody to follow."""
-    end = SimpleNamespace(headway_s=math.nan, block_headway_s=math.nan, meet_s=61.25, occupied_share=0.164)
-    worth: Any = SimpleNamespace(name="radio delay", low="0.1 s", high="2 s", low_end=end, high_end=end)
-    _print_worth([worth])
-    assert capsys.readouterr().out.count("        -        -     61.2     16.4") == 2

@@ -206,35 +206,18 @@ def test_anyway_runs_it_all_the_same(
     shutil.rmtree(tmp_path / "out")
 
 
-AT_ONCE = """line = "abc"
-dwell_min_s = 20
-[[trains]]
-number = "slow"
-direction = "down"
-begins = "stabled"
-ends = "stabled"
-calls = [{ station = "A", track = "1", departure = "06:00" }, { station = "C", track = "1", arrival = "06:20" }]
-[[trains]]
-number = "fast"
-direction = "down"
-begins = "stabled"
-ends = "stabled"
-calls = [{ station = "A", track = "2", departure = "06:00" }, { station = "C", track = "2", arrival = "06:10" }]
-"""
-
-
 def test_of_two_that_leave_in_the_same_second_the_one_goes_first_that_does_so_in_the_run(
     main: Callable[..., Any], tmp_path: Path
 ) -> None:
-    """The crew of the first set asks first: check does not say that it follows the other, whoever arrives sooner."""
     (tmp_path / "abc.csv").write_text("name,km,tracks\nA,0,2\nB,4,1\nC,8,2\n", "utf-8")
     assert main("new", "line", "abc.csv", "abc.toml", "--scenario", "day.toml").code == 0
-    for first, second in (("slow", "fast"), ("fast", "slow")):
-        sets = f"""diagrams = [{{ stock = "V1", trains = ["{first}"] }}, {{ stock = "V2", trains = ["{second}"] }}]\n"""
-        head = "[timetable]\nid = 'day_times'\n"
-        (tmp_path / "day_times.toml").write_text(sets + head + AT_ONCE, "utf-8")
-        told = main("check", "day.toml").out
-        assert f"{second} is to follow {first} at 06:00" in told
-        assert main("run", "day.toml", "--anyway", "--carrier", "plain", "--out", "run").code == 0
-        stops = pl.read_parquet(tmp_path / "run/stops.parquet").filter(station="A")
-        assert stops.sort("departure_s")["train"].to_list() == [first, second]
+    text = 'timetable = { id = "day_times", line = "abc", dwell_min_s = 20 }\n'
+    for name, n, to in (("slow", 1, "06:20"), ("fast", 2, "06:10")):
+        text += f"""[[trains]]\nnumber = "{name}"\ndirection = "down"\nbegins = "stabled"\nends = "stabled"
+calls = [{{ station = "A", track = "{n}", departure = "06:00" }}, {{ station = "C", track = "{n}", arrival = "{to}" }}]
+[[diagrams]]\nstock = "V{n}"\ntrains = ["{name}"]\n"""
+    (tmp_path / "day_times.toml").write_text(text, "utf-8")
+    assert "fast is to follow slow at 06:00" in main("check", "day.toml").out
+    assert main("run", "day.toml", "--anyway", "--carrier", "plain", "--out", "run").code == 0
+    stops = pl.read_parquet(tmp_path / "run/stops.parquet").filter(station="A")
+    assert stops.sort("departure_s")["train"].to_list() == ["slow", "fast"]

@@ -144,15 +144,12 @@ def test_what_is_outside_the_design_is_told_and_makes_no_failure_but_a_collision
     assert broken_by(other, setup) == (f"K1 {slid}",)
 
 
-UNDEFINED = "the block manager does not yet know what every unit holds"
-
-
 def test_a_train_that_did_not_arrive_is_told_once_with_what_it_waits_for() -> None:
     setup = load_scenario("rtri_test_line").setup
     late = Violation(9.0, "everyone-arrives", "T1 has not arrived")
     place = "section 6 at km 0.700"
     for stands, waits_for, end in (
-        (True, "route 3>8: undefined", f"stands in {place} and waits for route 3>8: {UNDEFINED}"),
+        (True, "route 3>8: lost", f"stands in {place} and waits for route 3>8: the proof was lost"),
         (True, "nothing", f"stands in {place} and waits for nothing"),
         (False, "nothing", f"was on its way in {place}"),
     ):
