@@ -133,7 +133,7 @@ def test_what_is_drawn_evenly_is_what_is_printed() -> None:
 
 def test_where_nothing_can_be_drawn_nothing_is_run(tmp_path: Path) -> None:
     """And an experiment that fails leaves no folder behind."""
-    made_up = Specification("made", "Made up", lambda _: 1 / 0, NULL, NotDriven("nothing moves"))  # type: ignore[arg-type, return-value]
+    made_up = Specification("made", "Made up", lambda _: 1 / 0, NULL, NotDriven("nothing moves"))  # type: ignore[arg-type,return-value]
     (tmp_path / "taken").write_text("mine", "utf-8")
     with pytest.raises(InputError, match=r"--out is '.*taken'; expected a directory that can be written"):
         made_up(Options(out=str(tmp_path / "taken")))
