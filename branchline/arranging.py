@@ -47,7 +47,7 @@ def arrange(
     from plan.arranging.files import checked_files, write_day
 
     checked_files(out, scenario)
-    with said_if_long(f"arranging {timetable}", ever_rarer=False) as tell:
+    with said_if_long(f"arranging {timetable}") as tell:
         day = arranged_by_name(line, timetable, train, limit, tell)
     for path in write_day(day, line, train, out, scenario):
         print_aside(f"wrote {path}")

@@ -22,7 +22,7 @@ best = typer.Typer(
 def _of_all_searches(context: typer.Context) -> None:
     """Search for the best interval, loops, trains, equipment or duties, with a proven bound."""
     what = f"searching for the best {context.invoked_subcommand}"
-    context.obj = context.with_resource(said_if_long(what, ever_rarer=False))
+    context.obj = context.with_resource(said_if_long(what))
 
 
 best.command()(interval)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json, ScenarioName
-from branchline.progress import said_if_long
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,8 +33,7 @@ def check(
 
     loaded = load_scenario(scenario)
     line, timetable = loaded.setup.line, loaded.setup.timetable
-    with said_if_long("checking where trains meet"):
-        found = feasibility(loaded.setup)
+    found = feasibility(loaded.setup)
     drawn = not any(finding.kind is FindingKind.NO_WAY for finding in found.impossible)
     weaker, early = (confirmed_by_eye(loaded.setup), early_text(loaded.setup)) if drawn else ({}, "")
     figures: dict[str, Any] = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from copy import copy
 from functools import cache, partial
 from importlib.metadata import version
@@ -34,7 +35,7 @@ from branchline.making import makers
 from branchline.measuring import bench
 from branchline.partners import with_partners
 from branchline.plotting import plot
-from branchline.progress import CompilingShown
+from branchline.progress import CompilingShown, never_silent
 from branchline.reporting import report
 from branchline.reproducing import reproduce
 from branchline.running import run
@@ -90,7 +91,9 @@ def _run_command(arguments: list[str]) -> Outcome:
     if os.environ.get(COMPLETION):
         command.main(arguments, "branchline", COMPLETION)  # answers and exits
     try:
-        with command.make_context("branchline", arguments) as context:
+        waits = arguments[:1] in (["serve"], ["serve-party"])  # for people
+        said = nullcontext() if waits else never_silent(" ".join(arguments[:2]))
+        with command.make_context("branchline", arguments) as context, said:
             command.invoke(context)
     except typer.Exit as ending:
         return next(outcome for outcome in Outcome if outcome.code == ending.exit_code)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -158,7 +159,9 @@ def _as_dict(
 
 def _print(name: str, how: str, rates: Sequence[Rate]) -> None:
     """A block a way of cutting, a row a part and period."""
-    wide = max((len(rate.part.name) for rate in rates), default=0)
+    from rich.cells import cell_len, set_cell_size
+
+    wide = max((cell_len(rate.part.name) for rate in rates), default=0)
     heads = ("kind", "period", "trains", "occupied min", "rate %", "limit %", "with added %", "below limit")
     rows = [f"cut: {name} - {how}", f"{'':{wide}}" + "".join(f"{head:>13}" for head in heads) + "  critical"]
     for rate in rates:
@@ -175,7 +178,7 @@ def _print(name: str, how: str, rates: Sequence[Rate]) -> None:
             str(rate.trains_below_limit),
         )
         note = f" (stops not kept: {', '.join(rate.contradiction)})" if rate.contradiction else ""
-        row = f"{rate.part.name:{wide}}" + "".join(f"{cell:>13}" for cell in cells)
+        row = set_cell_size(rate.part.name, wide) + "".join(f"{cell:>13}" for cell in cells)
         rows.append(f"{row}  {rate.compressed.section_id}{note}")
     sys.stdout.write("\n".join((*rows, "", "")))
 
@@ -207,7 +210,8 @@ def _print_worth(worth: Sequence[LeverWorth]) -> None:
     )
     for one in worth:
         cells = [
-            f"{word:>16}" + "".join(f"{value:9.1f}" for value in _figures(end))
+            f"{word:>16}"
+            + "".join(f"{'-' if math.isnan(value) else f'{value:.1f}':>9}" for value in _figures(end))
             for word, end in ((one.low, one.low_end), (one.high, one.high_end))
         ]
         sys.stdout.write(f"  {one.name:24}{'  '.join(cells)}\n")

@@ -122,15 +122,17 @@ def _print(line: Line, cases: tuple[HeadwayCase, ...]) -> None:
     """A block a station: what the two trains are, the least headway, where, what it costs, and what the plan leaves."""
     from itertools import groupby
 
+    from rich.cells import cell_len, set_cell_size
+
     from study.capacity.occupation import OccupationCost
     from study.report.headways import kind_name
 
     if not cases:
-        sys.stdout.write("no two trains need the same section\n")
+        sys.stdout.write("no headway: no two trains of different sets need the same section\n")
         return
     costs = [cost for cost in OccupationCost if any(abs(case.headway.costs_s[cost]) > 0.05 for case in cases)]
-    wide = max((len(f"{c.first} / {c.second}") for c in cases), default=0)
-    long = max((len(kind_name(c)) for c in cases), default=0) + 4
+    wide = max(len(f"{c.first} / {c.second}") for c in cases)
+    long = max(cell_len(kind_name(c)) for c in cases)
     for station_id, own in groupby(cases, key=lambda case: case.station_id):
         heads = ("least s", *(cost.value for cost in costs), "left over")
         rows = [
@@ -146,10 +148,8 @@ def _print(line: Line, cases: tuple[HeadwayCase, ...]) -> None:
                 *(f"{one.costs_s[cost]:.1f}" for cost in costs),
                 "-" if near is None else f"{near.buffer_s:+.0f}",
             )
-            name = kind_name(case)
-            pad = " " * (long - len(name) - sum(ord(c) > 0x2E7F for c in name))
             rows.append(
-                f"{case.first + ' / ' + case.second:{wide}}  {name}{pad}"
+                f"{case.first + ' / ' + case.second:{wide}}  {set_cell_size(kind_name(case), long)}"
                 + "".join(f"{cell:>14}" for cell in cells)
                 + f"  {one.section_id}"
             )

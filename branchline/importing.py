@@ -13,7 +13,7 @@ from branchline.importing_layout import import_osm_command, import_railml_comman
 from branchline.importing_timetables import import_mini_tokyo
 from branchline.options import FragmentOut
 from branchline.oudia import import_oudia
-from branchline.progress import print_aside, said_if_long
+from branchline.progress import print_aside
 
 importers = typer.Typer(help="Read timetables and tracks of other programs.")
 importers.command("railml")(import_railml_command)
@@ -30,8 +30,7 @@ def import_geometry_command(
     """Fit straights, transitions, curves and kilometrage to a track polyline."""
     from exchange.geometry import import_geometry
 
-    with said_if_long("fitting curves to the polyline"):
-        import_geometry(polyline, stations, out)
+    import_geometry(polyline, stations, out)
     print_aside(f"wrote {out}")
 
 

@@ -227,7 +227,7 @@ def _arranged(
         from vehicle.train_file import load_train, train_named
 
         train = load_train(train_named(train_name))
-        with said_if_long(f"arranging {name}, which has departures alone", ever_rarer=False) as tell:
+        with said_if_long(f"arranging {name}, which has departures alone") as tell:
             day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=tell)
     except InputError as why:
         return imported, [f"not, as of the source alone no plan is found: {why}"]
@@ -253,8 +253,7 @@ def _least(line: Line, train_name: str) -> tuple[Running, str]:
     from vehicle.train_file import load_train, train_named
 
     train = load_train(train_named(train_name))
-    with said_if_long(f"computing the least running times of {train.id}"):
-        return least_by_leg(line, train), train.id
+    return least_by_leg(line, train), train.id
 
 
 def print_figures(figures: dict[str, Any]) -> None:

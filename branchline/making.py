@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from branchline.making_files import new_curvature_map, new_drill, new_scenario, new_timetable, new_train
-from branchline.progress import print_aside, said_if_long
+from branchline.progress import print_aside
 
 makers = typer.Typer(help="Write a file to start from; it works as it stands and marks what it assumes.")
 makers.command("scenario")(new_scenario)
@@ -84,10 +84,7 @@ def new_line(
         limits,
         crossings,
     )
-    with said_if_long(
-        "fitting the line to its stations" if polyline is None else "fitting curves to the polyline"
-    ):
-        made = write_line(stations, out, asked)
+    made = write_line(stations, out, asked)
     for text in made.rows:
         print_aside(text)
     for text in made.remarks:

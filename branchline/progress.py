@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TextIO
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 def print_aside(text: str) -> None:
     """A line on stderr, if anybody is left to read it: a terminal that is gone ends nothing."""
+    _SILENCE.last_s, _SILENCE.times = time.monotonic(), 0
     with silence_stream(sys.stderr):
         sys.stderr.write(text + "\n")
         sys.stderr.flush()
@@ -33,35 +35,63 @@ def silence_stream(stream: TextIO) -> Generator[None]:
 
 
 SPOKEN_AFTER_S: Final = 2.0  # of silence
+SILENT_S = 2.5  # after which a command says that it goes on, and not before who speaks for himself
+
+
+@dataclass(slots=True)
+class _Silence:
+    last_s: float = 0.0  # when anybody spoke
+    times: int = 0  # that it was broken on end by saying that something goes on
+
+
+_SILENCE: Final = _Silence()
 
 
 @contextmanager
-def said_if_long(what: str, *, ever_rarer: bool = True) -> Generator[Callable[[str], None]]:
-    """Says what goes on if it takes longer than a person waits, and again after twice the time, or after as much.
-
-    What the block gives it is said with it.
-    """
+def _watched(watch: Callable[[threading.Event], None]) -> Generator[None]:
     ended = threading.Event()
+    watcher = threading.Thread(target=watch, args=(ended,), daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
+
+
+@contextmanager
+def never_silent(what: str) -> Generator[None]:
+    """Says that something goes on where nobody has said anything for longer than a person waits, ever less often."""
+    began_s = _SILENCE.last_s = time.monotonic()
+
+    def watch(ended: threading.Event) -> None:
+        while not ended.wait(SILENT_S / 10):
+            now_s, times = time.monotonic(), _SILENCE.times
+            if now_s - _SILENCE.last_s >= SILENT_S * 2**times:
+                print_aside(f"{what}: {now_s - began_s:.0f} s so far")
+                _SILENCE.times = times + 1
+
+    with _watched(watch):
+        yield
+
+
+@contextmanager
+def said_if_long(what: str) -> Generator[Callable[[str], None]]:
+    """Says what goes on whenever it takes longer than a person waits, with what the block gives it."""
     doing = ""
 
     def tell(text: str) -> None:
         nonlocal doing
         doing = f", {text}"
 
-    def watch() -> None:
-        so_far_s = wait_s = SPOKEN_AFTER_S
-        while not ended.wait(wait_s):
+    def watch(ended: threading.Event) -> None:
+        so_far_s = 0.0
+        while not ended.wait(SPOKEN_AFTER_S):
+            so_far_s += SPOKEN_AFTER_S
             print_aside(f"{what}: {so_far_s:g} s so far{doing}")
-            wait_s = so_far_s if ever_rarer else wait_s
-            so_far_s += wait_s
 
-    watcher = threading.Thread(target=watch, daemon=True)
-    watcher.start()
-    try:
+    with _watched(watch):
         yield tell
-    finally:
-        ended.set()
-        watcher.join()
 
 
 @contextmanager
@@ -98,6 +128,7 @@ def progress_of(title: str) -> Generator[Callable[[float, float, int], None]]:
                 first_s.append(now_s)
             share = (now_s - first_s[0]) / max(end_s - first_s[0], 1.0)
             clock = f"{int(now_s // 3600):02d}:{int(now_s % 3600 // 60):02d}"
+            _SILENCE.last_s = time.monotonic()
             bar.update(task, completed=share, clock=clock, arrived=arrived)
 
         yield show

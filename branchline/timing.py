@@ -52,6 +52,8 @@ def _print(line: Line, times: tuple[StandardTime, ...], runs: tuple[PlannedRun, 
     """A block a kind of train and direction, a row a leg; then runs over more than one leg."""
     from itertools import groupby
 
+    from rich.cells import cell_len, set_cell_size
+
     from study.measures.standard_times import smallest_margins
 
     def named(leg: StandardTime | PlannedRun) -> str:
@@ -59,7 +61,7 @@ def _print(line: Line, times: tuple[StandardTime, ...], runs: tuple[PlannedRun, 
 
     least = smallest_margins(runs)
     names = [named(time) for time in times] + [named(run) for run in least.values()]
-    width = max(map(len, names), default=0)
+    width = max(map(cell_len, names), default=0)
     heads = ("km", "stop-stop", "laid down", "stop-pass", "pass-stop", "pass-pass", "margin", "of train")
     for (train, direction), legs in groupby(times, key=lambda time: (time.train, time.direction)):
         title = f"{train}, {direction.name.lower()}: minimum running times, s, and the smallest margin of the timetable"
@@ -73,7 +75,7 @@ def _print(line: Line, times: tuple[StandardTime, ...], runs: tuple[PlannedRun, 
                 *("-" if time_s is None else f"{time_s:.1f}" for time_s in times_s),
                 *_margin(least.pop((train, direction, leg.from_id, leg.to_id), None)),
             )
-            rows.append(f"{named(leg):{width}}" + "".join(f"{cell:>11}" for cell in cells))
+            rows.append(set_cell_size(named(leg), width) + "".join(f"{cell:>11}" for cell in cells))
         sys.stdout.write("\n".join((title, *rows, "", "")))
     for run in least.values():
         margin, number = _margin(run)

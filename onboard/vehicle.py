@@ -29,3 +29,4 @@ class VehicleInputs(msgspec.Struct, frozen=True):
 
 
 IN_ORDER = VehicleInputs()
+DOORS_OPEN = VehicleInputs(doors_closed=False).unfit

@@ -7,6 +7,7 @@ a part of it and runs by itself, so that the tests can run it alone; `--out` and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from network.errors import InputError
 from papers.parameter_sets import NotDriven, ParameterSet
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction, UnjudgedFigure
+from study.record.directory import made_folder
 
 # the module of each, imported only when asked for, has its name with _ for -
 REPRODUCTIONS: Final = (
@@ -108,27 +110,28 @@ class Specification:
     whole: tuple[str, ...] = ()
 
     def __call__(self, options: Options) -> Reproduction:
-        """Run the experiment and its null method, and draw where that is asked for."""
-        found = self.run(options)
-        null = self.null.run(options) if found.null is None else found.null
-        rows, remarks = list(found.rows), list(found.remarks)
-        if options.out is not None and found.draw is not None:
-            remarks.append("drawn: " + ", ".join(path.name for path in found.draw(Path(options.out))))
-        left_out = self.slice if options.quick else ""
-        if left_out:
-            remarks.append(left_out)
-            rows = [_of_slice(row) if row.case in self.whole else row for row in rows]
-        return Reproduction(
-            self.name,
-            self.title,
-            (*found.parameters, *self.driven.parameters()),
-            (*rows, *self.null.rows(null)),
-            tuple(remarks),
-            tuple(found.figures),
-            self.beside,
-            left_out,
-            null=self.null,
-        )
+        """Run the experiment and its null method, and draw if asked. InputError before, where nothing can be drawn."""
+        with nullcontext() if options.out is None else made_folder(Path(options.out), Path(options.out)):
+            found = self.run(options)
+            null = self.null.run(options) if found.null is None else found.null
+            rows, remarks = list(found.rows), list(found.remarks)
+            if options.out is not None and found.draw is not None:
+                remarks.append("drawn: " + ", ".join(path.name for path in found.draw(Path(options.out))))
+            left_out = self.slice if options.quick else ""
+            if left_out:
+                remarks.append(left_out)
+                rows = [_of_slice(row) if row.case in self.whole else row for row in rows]
+            return Reproduction(
+                self.name,
+                self.title,
+                (*found.parameters, *self.driven.parameters()),
+                (*rows, *self.null.rows(null)),
+                tuple(remarks),
+                tuple(found.figures),
+                self.beside,
+                left_out,
+                null=self.null,
+            )
 
 
 def _of_slice(row: CaseRow) -> CaseRow:

@@ -30,7 +30,7 @@ from study.record.figure import schema_of
 from study.record.journal_rows import EventInWords, TelegramsOfWay
 from study.record.spans import rows_by_span
 from study.record.tables import RunTables, make_table
-from study.wording.events import EVENT_WORDINGS, event_text
+from study.wording.events import event_text, wording_of
 from study.wording.phrase import Names, names_of
 
 
@@ -116,8 +116,8 @@ def _telegrams(result: RunResult) -> pl.DataFrame:
 def _events(result: RunResult, names: Names) -> pl.DataFrame:
     rows: list[EventInWords] = []
     for entry in result.journal.entries:
-        kind = EVENT_WORDINGS.get(type(entry.event))
-        if kind is not None:
+        wording = wording_of(entry.event)
+        if wording is not None:
             text = event_text(entry.event, names)
-            rows.append(EventInWords(entry.t_s, entry.who, kind.kind, text.en, text.in_("ja")))
+            rows.append(EventInWords(entry.t_s, entry.who, wording.kind, text.en, text.in_("ja")))
     return make_table("events", rows)

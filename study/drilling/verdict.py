@@ -16,7 +16,7 @@ from simulation.judge.log import Checker
 from simulation.result import RunResult
 from simulation.setup import STEPS_PER_S
 from study.record.tables import RunTables
-from study.runner.outcome import missing_said, outside_said, rules_said
+from study.runner.outcome import missing_said, outside_said, rules_said, waiting_said
 from study.wording import outcome as words
 from study.wording.phrase import Phrase, joined_phrases
 from study.wording.script import expectation_text, matcher_text
@@ -98,7 +98,7 @@ def _window(expectation: Expectation, seen: _Journal) -> tuple[float, float] | P
     if expectation.until is not None:
         end_s = seen.first(expectation.until, from_s, math.inf, strictly_after=True)
         if end_s is None:
-            return _never(expectation.until)
+            return _never(expectation.until, from_s)
         to_s = min(to_s, end_s)
     if to_s < from_s:
         return words.BACKWARDS.fill(at=_clock(to_s))
@@ -130,6 +130,7 @@ def _judge_property(expectation: Expectation, seen: _Journal, tables: RunTables)
         return _judge_safety(expectation, result)
     if expectation.holds is Property.EVERYONE_ARRIVES:
         missing = missing_said(result)
+        missing += tuple(waiting_said(waiting) for waiting in result.waiting if missing)
         cut = ", ".join(result.cut)
         arrived = words.OTHERS_ARRIVED.fill(trains=cut) if cut else words.ALL_ARRIVED
         happened = joined_phrases(missing, "; ", "；") if missing else arrived
@@ -190,8 +191,11 @@ def _judge_entry(
     )
 
 
-def _never(matcher: Matcher) -> Phrase:
-    return words.NO_STRETCH.fill(what=Phrase(matcher.text, matcher_text(matcher)))
+def _never(matcher: Matcher, from_s: float = -math.inf) -> Phrase:
+    what = Phrase(matcher.text, matcher_text(matcher))
+    if math.isfinite(from_s):
+        return words.NOT_FROM.fill(what=what, at=_clock(from_s))
+    return words.NO_STRETCH.fill(what=what)
 
 
 def _clock(t_s: float) -> str:

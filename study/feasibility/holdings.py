@@ -81,7 +81,7 @@ def holds_of(day: PlannedDay) -> dict[str, list[Hold]]:
         for hold in _holds_of_set(trains):
             by_section.setdefault(hold.section_id, []).append(hold)
     for holds in by_section.values():
-        holds.sort(key=lambda hold: (hold.from_s, hold.arrives_s))
+        holds.sort(key=lambda hold: hold.from_s)
     return by_section
 
 

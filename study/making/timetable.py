@@ -108,7 +108,7 @@ def _expected(line: Line, legs: Legs, pattern: Pattern) -> str:
     """What would work instead, as far as it is known without trying."""
     least_min = _least(legs, next(_kinds(line, legs)))
     if 60 * least_min > pattern.every_s:
-        return f"an interval that can work, {least_min} minutes for one set"
+        return f"a longer interval; {least_min} minutes are enough for one set"
     return f"another interval, or another --train: one set needs {least_min} minutes, but no even pattern was found"
 
 

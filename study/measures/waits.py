@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from onboard.duty.stop_limit import NOT_PROVEN
-from onboard.vehicle import VehicleInputs
+from onboard.vehicle import DOORS_OPEN
 from simulation.events import MANAGER, JournalEntry
 from simulation.result import EnergyPhase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
@@ -38,7 +38,6 @@ ASKS_AGAIN: Final = "asks again"
 WRONG_CLOCK: Final = "clock"
 NO_PASSENGERS: Final = "operational"
 SAMPLES_S: Final = 2.0  # between two samples of the trace passes a second
-DOORS_OPEN: Final = VehicleInputs(doors_closed=False).unfit
 CABLE_CUT: Final = "cable cut"
 NOT_NOW: Final[Mapping[str, Cause]] = {
     "no way on": Cause.NO_WAY_ON,

@@ -96,7 +96,7 @@ def replacing_folder(
     Raises InputError as `check_out` does, and when the directory cannot be written; OSError where there is no room.
     """
     check_out(out, owns, what)
-    with _parents_of(out), _beside(out) as aside:
+    with made_folder(out.parent, out), _beside(out) as aside:
         yield aside / "new"
         _put(aside, out)
 
@@ -190,7 +190,7 @@ def reserved(out: Path) -> Generator[Reserved]:
     Raises InputError as `check_out` does, and when the directory cannot be written; OSError where there is no room.
     """
     check_out(out)
-    with _parents_of(out), _beside(out) as aside:
+    with made_folder(out.parent, out), _beside(out) as aside:
         place = Reserved(out, aside)
         place.hold_room(END_ROOM_BYTES)
         try:
@@ -207,23 +207,23 @@ def reserved(out: Path) -> Generator[Reserved]:
 
 
 @contextmanager
-def _parents_of(out: Path) -> Generator[None]:
-    """The folders above, made; those that were not there before go again if nothing came into them."""
-    above = out.parent
+def made_folder(folder: Path, out: Path) -> Generator[None]:
+    """A folder and those above it, made; new ones go again if nothing came into them. InputError of `out`."""
+    above = folder
     new: list[Path] = []
     while not above.exists() and above != above.parent:
         new.append(above)
         above = above.parent
     try:
-        out.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise _unwritable(out, error) from error
     try:
         yield
     finally:
         with suppress(OSError):
-            for folder in new:
-                folder.rmdir()
+            for one in new:
+                one.rmdir()
 
 
 @contextmanager

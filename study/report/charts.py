@@ -19,7 +19,7 @@ from study.measures.missing import planned_times
 from study.report.data import ReportedRun
 from study.report.graph import station_label
 from study.report.pictures import ENERGY, STOP_ERRORS
-from study.report.style import INK, PALE, RED, RULE, WIDTH_IN, beside, dots
+from study.report.style import DIGIT_EM, INK, PALE, RED, RULE, WIDTH_IN, beside, dots, text_pt
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +27,6 @@ _BARS_IN_A_ROW: Final = 64
 _CELL_PT: Final = 6.5
 _PANEL_SHARE: Final = 0.44  # of the width, for the columns of one direction
 _NAME_PT: Final = 6.5
-_DIGIT_EM: Final = 0.66  # width of a character, share of its size, at most
 
 # Fixed, so that the delays of two runs compare by eye.
 _EARLY_S, _LATE_S = -60.0, 300.0
@@ -182,11 +181,6 @@ def draw_delays(run: ReportedRun, end_s: float | None = None) -> Figure | None:
     return figure
 
 
-def _name_pt(name: str) -> float:
-    """How wide a name stands over its column, pt, at most; Japanese characters are as wide as high."""
-    return _NAME_PT * sum(1.0 if ord(c) > 0x2E7F else _DIGIT_EM for c in name)
-
-
 def _draw_heat_map(
     axes: Axes,
     run: ReportedRun,
@@ -212,7 +206,7 @@ def _draw_heat_map(
     )
     longest = max([1, *(len(cell.text()) for row in cells for cell in row)])
     column_pt = 72.0 * WIDTH_IN * _PANEL_SHARE / len(stations)
-    size_pt = min(_CELL_PT, column_pt / (longest * _DIGIT_EM))
+    size_pt = min(_CELL_PT, column_pt / (longest * DIGIT_EM))
     for row, several in enumerate(cells):
         for column, cell in enumerate(several):
             if cell.worse_s is None:
@@ -224,7 +218,7 @@ def _draw_heat_map(
     axes.set_yticks(range(len(trains)), trains, fontsize=6.5)
     axes.set_xticks(range(len(stations)), [station.name for station in stations], fontsize=_NAME_PT)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
-    if max(_name_pt(station.name) for station in stations) > 0.95 * column_pt:
+    if max(text_pt(station.name, _NAME_PT) for station in stations) > 0.95 * column_pt:
         axes.tick_params(axis="x", labelrotation=25)
         for label in axes.get_xticklabels():
             label.set_horizontalalignment("left")

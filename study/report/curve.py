@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -15,13 +17,14 @@ from network.model import Alignment, Direction, Line
 from study.report.data import ReportedRun, limits_mps
 from study.report.graph import station_label
 from study.report.pictures import RUN_CURVE
-from study.report.style import INK, PALE, RED, RULE, TRACTION, WIDTH_IN, beside, dots, spread
+from study.report.style import INK, PALE, RED, RULE, TRACTION, WIDTH_IN, beside, dots, spread, text_pt
 
 Floats = NDArray[np.float64]
 
 KMH_PER_MPS: Final = 3.6
 _CROSSING_SHARE: Final = 0.03  # of the height: where level crossings are marked
-_LEFT_OUT_SHARE: Final = 0.035  # least distance of station names, share of the width
+_STATION_PT: Final = 7
+PANEL_PT: Final = 0.94 * 72 * WIDTH_IN  # the width of the panels, about
 _LABEL_WIDTH_SHARE: Final = 0.022  # a gradient or curve narrower than this carries no figure
 
 
@@ -186,13 +189,12 @@ def mark_stations(run: ReportedRun, panels: tuple[Axes, ...], low_m: float, high
         axes.spines[:].set_color(RULE)
         for station in shown:
             axes.axvline(station.position_m, color=RULE, lw=0.8, zorder=0.5)
-    labels_m = spread([station.position_m for station in shown], _LEFT_OUT_SHARE * (high_m - low_m))
-    for station, label_m in zip(shown, labels_m, strict=True):
-        beside(
-            panels[0],
-            station_label(station).replace(" ", "\n"),
-            (label_m, 1.0),
-            (0, 2),
-            7,
-            xycoords=("data", "axes fraction"),
-        )
+    labels = [station_label(station, "\n") for station in shown]
+    wide_pt = [max(text_pt(f" {name}", _STATION_PT) for name in label.split("\n")) for label in labels] or [
+        0.0
+    ]
+    m_per_pt = (high_m - low_m) / max(PANEL_PT, math.fsum(wide_pt))  # of more than have room each has less
+    within_m = low_m + m_per_pt * wide_pt[0] / 2, high_m - m_per_pt * wide_pt[-1] / 2
+    gaps_m = [m_per_pt * (one + other) / 2 for one, other in pairwise(wide_pt)]
+    for label, label_m in zip(labels, spread([s.position_m for s in shown], gaps_m, within_m), strict=True):
+        beside(panels[0], label, (label_m, 1.0), (0, 2), _STATION_PT, xycoords=("data", "axes fraction"))

@@ -103,10 +103,10 @@ def _draw_crossings(axes: Axes, run: ReportedRun, room_m: float) -> None:
             named_m = at_m
 
 
-def station_label(station: Station) -> str:
+def station_label(station: Station, between: str = " ") -> str:
     """Romanised name, with the Japanese one where a font has it."""
     other = station.name_ja if station.name_ja != station.name else ""
-    japanese = f" {other}" if other and style.can_write_japanese() else ""
+    japanese = f"{between}{other}" if other and style.can_write_japanese() else ""
     return f"{station.name}{japanese}"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
@@ -9,7 +10,8 @@ from dataclasses import dataclass
 from functools import cache
 from html import escape
 from io import StringIO
-from itertools import pairwise
+from itertools import accumulate
+from statistics import fmean
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -24,6 +26,7 @@ if TYPE_CHECKING:  # the page of a run has these colours and draws nothing with 
     from matplotlib.text import Text
     from matplotlib.typing import RcKeyType
 
+DIGIT_EM: Final = 0.66  # width of a character, share of its size, at most
 WIDTH_IN: Final = 13.0  # 936 pt, 1248 px at 100 %: fits a page of 1280 px and A4 across
 INK: Final = "#222222"
 PALE: Final = "#8a8a8a"
@@ -223,17 +226,24 @@ def draw_clock_axis(axes: Axes, band: TimeBand, grid: TimeGrid) -> None:
                 axes.axvline(i * step_s, color=RULE, lw=width_pt, ls=style, zorder=0.5)
 
 
-def spread(positions: Sequence[float], gap_min: float) -> list[float]:
-    """Positions moved apart, in their order, to at least gap_min; clusters stay about where they are."""
-    placed = list(positions)
-    for _ in range(20):
-        moved = False
-        for i, (low, high) in enumerate(pairwise(placed)):
-            lack = gap_min - (high - low)
-            if lack > 1e-9 * max(1.0, gap_min):
-                placed[i] -= lack / 2
-                placed[i + 1] += lack / 2
-                moved = True
-        if not moved:
-            break
-    return placed
+def text_pt(text: str, size_pt: float) -> float:
+    """How wide a text stands, pt, at most; Japanese characters are as wide as high."""
+    return size_pt * sum(1.0 if ord(c) > 0x2E7F else DIGIT_EM for c in text)
+
+
+def spread(
+    positions: Sequence[float],
+    gap_min: float | Sequence[float],
+    within: tuple[float, float] = (-math.inf, math.inf),
+) -> list[float]:
+    """Positions moved apart in their order to at least gap_min, or one for each two; what is too close keeps a mean."""
+    gaps = [gap_min] * (len(positions) - 1) if isinstance(gap_min, float | int) else gap_min
+    before = list(accumulate(gaps[: len(positions) - 1], initial=0.0))
+    close: list[list[float]] = []
+    for position, gap in zip(positions, before, strict=False):
+        close.append([position - gap])
+        while len(close) > 1 and fmean(close[-2]) > fmean(close[-1]):
+            close[-2:] = [close[-2] + close[-1]]
+    least, most = within[0], within[1] - before[-1]
+    means = [min(max(fmean(own), least), most) for own in close for _ in own]
+    return [mean + gap for mean, gap in zip(means, before, strict=False)]

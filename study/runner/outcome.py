@@ -9,7 +9,8 @@ from simulation.judge.rail import LowAdhesion
 from simulation.result import Ending, RunResult, Waiting
 from simulation.setup import STEPS_PER_S
 from study.wording import outcome as words
-from study.wording.phrase import Phrase
+from study.wording.phrase import NOTHING, Phrase, joined_phrases
+from study.wording.reasons import reason
 
 
 def broken_rules(result: RunResult) -> list[tuple[float, str]]:
@@ -90,4 +91,6 @@ def missing_said(result: RunResult) -> tuple[Phrase, ...]:
 def waiting_said(waiting: Waiting) -> Phrase:
     """Who stands where and waits for what, in a sentence."""
     form = words.STANDS if waiting.stands else words.ON_ITS_WAY
-    return form.fill(train=waiting.number, unit=waiting.stock_id, place=waiting.place, what=waiting.waits_for)
+    head, colon, why = waiting.waits_for.partition(": ")
+    what = joined_phrases((Phrase(head), reason(why) if colon else NOTHING), ": ", "：")
+    return form.fill(train=waiting.number, unit=waiting.stock_id, place=waiting.place, what=what)

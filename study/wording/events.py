@@ -11,6 +11,7 @@ from typing import Final
 
 from network.clock import clock
 from onboard import crossing_notes, notes
+from onboard.vehicle import DOORS_OPEN
 from radio.noted import Noted, TelegramDropped
 from simulation import events
 from simulation.events import EventType
@@ -54,6 +55,7 @@ _LEVELS: Final[Mapping[events.BatteryLevel, Phrase]] = {
     events.BatteryLevel.LOW: phrase("low, heating and cooling are off", "battery level"),
     events.BatteryLevel.EMPTY: phrase("empty", "battery level"),
 }
+_DOORS_OPEN: Final = EventWording("doors", phrase("its doors are not shown as closed", "reason"))
 EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
     notes.Intervention: EventWording("intervention", phrase("{level}")),
     notes.EmergencyReleased: EventWording(
@@ -214,9 +216,16 @@ EVENT_WORDINGS: Final[Mapping[EventType, EventWording]] = {
 }
 
 
+def wording_of(event: Noted) -> EventWording | None:
+    """How the report tells an event; None where it does not. Doors alone, which people hold open, are no fault."""
+    if isinstance(event, notes.VehicleUnfit) and event.why == DOORS_OPEN:
+        return _DOORS_OPEN
+    return EVENT_WORDINGS.get(type(event))
+
+
 def event_text(event: Noted, names: Names) -> Phrase:
     """An event as a sentence, with the names of stations."""
-    wording = EVENT_WORDINGS[type(event)]
+    wording = wording_of(event) or EVENT_WORDINGS[type(event)]
     return wording.words.fill(
         **{name: _part(wording, name, value) for name, value in _values(event, names).items()}
     )

@@ -44,7 +44,7 @@ def test_headways_are_the_same_in_json_and_csv(main: Callable[..., Any], tmp_pat
 
 def test_one_train_has_no_headway(main: Callable[..., Any], tmp_path: Path) -> None:
     told = main("headway", "rtri_test_line", "--theory", "--out", "out")
-    assert (told.code, told.out) == (0, "no two trains need the same section\n")
+    assert (told.code, told.out) == (0, "no headway: no two trains of different sets need the same section\n")
     assert "headways.csv" in told.err and "png" not in told.err
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["headways.csv"]
     assert (tmp_path / "out/headways.csv").read_text("utf-8").strip() == ",".join(COLUMNS)

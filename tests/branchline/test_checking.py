@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import polars as pl
 import pytest
 
 from branchline.checking import _print_found  # pyright: ignore[reportPrivateUsage]
@@ -203,3 +204,20 @@ def test_anyway_runs_it_all_the_same(
     assert figures["trains_arrived"] < 2 or figures["late_s_max"] > 300.0
     assert (tmp_path / "out/report.html").is_file()
     shutil.rmtree(tmp_path / "out")
+
+
+def test_of_two_that_leave_in_the_same_second_the_one_goes_first_that_does_so_in_the_run(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    (tmp_path / "abc.csv").write_text("name,km,tracks\nA,0,2\nB,4,1\nC,8,2\n", "utf-8")
+    assert main("new", "line", "abc.csv", "abc.toml", "--scenario", "day.toml").code == 0
+    text = 'timetable = { id = "day_times", line = "abc", dwell_min_s = 20 }\n'
+    for name, n, to in (("slow", 1, "06:20"), ("fast", 2, "06:10")):
+        text += f"""[[trains]]\nnumber = "{name}"\ndirection = "down"\nbegins = "stabled"\nends = "stabled"
+calls = [{{ station = "A", track = "{n}", departure = "06:00" }}, {{ station = "C", track = "{n}", arrival = "{to}" }}]
+[[diagrams]]\nstock = "V{n}"\ntrains = ["{name}"]\n"""
+    (tmp_path / "day_times.toml").write_text(text, "utf-8")
+    assert "fast is to follow slow at 06:00" in main("check", "day.toml").out
+    assert main("run", "day.toml", "--anyway", "--carrier", "plain", "--out", "run").code == 0
+    stops = pl.read_parquet(tmp_path / "run/stops.parquet").filter(station="A")
+    assert stops.sort("departure_s")["train"].to_list() == ["slow", "fast"]

@@ -1,6 +1,8 @@
 """What a person is told while something takes its time."""
 
+from collections.abc import Callable
 from threading import Event
+from typing import Any
 
 import pytest
 
@@ -35,16 +37,8 @@ def test_compiling_that_takes_a_while_is_told_with_the_time_left(
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("rarer", "told_s", "waits_s"),
-    [(True, (2, 4, 8), [2.0, 2.0, 4.0, 8.0]), (False, (2, 4, 6), [2.0, 2.0, 2.0, 2.0])],
-)
-def test_what_takes_long_says_so_ever_less_often_or_every_2_s(
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    rarer: bool,
-    told_s: tuple[int, ...],
-    waits_s: list[float],
+def test_what_takes_long_says_so_every_2_s(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waited_s: list[float] = []
     done, told = Event(), Event()
@@ -61,9 +55,17 @@ def test_what_takes_long_says_so_ever_less_often_or_every_2_s(
             return super().wait()
 
     monkeypatch.setattr(progress.threading, "Event", Watched)
-    with said_if_long("fitting", ever_rarer=rarer) as tell:
+    with said_if_long("fitting") as tell:
         tell("curve 2")
         told.set()
         done.wait()
-    assert capsys.readouterr().err.splitlines() == [f"fitting: {s} s so far, curve 2" for s in told_s]
-    assert waited_s == waits_s
+    assert capsys.readouterr().err.splitlines() == [f"fitting: {s} s so far, curve 2" for s in (2, 4, 6)]
+    assert waited_s == [2.0, 2.0, 2.0, 2.0]
+
+
+def test_a_command_is_never_silent_for_long_whoever_speaks(
+    main: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("branchline.progress.SILENT_S", 0.01)
+    said = main("headway", "karasuyama_weekday", "--theory").err
+    assert "headway karasuyama_weekday: 0 s so far\n" in said and said.count("so far") < 20

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from rich.cells import cell_len
+
 
 def test_legs_and_margins_are_the_same_in_json_and_csv(main: Callable[..., Any], tmp_path: Path) -> None:
     ended = main("running-times", "karasuyama_weekday", "--json", "--out", "out")
@@ -22,3 +24,21 @@ def test_legs_and_margins_are_the_same_in_json_and_csv(main: Callable[..., Any],
     told = main("running-times", "karasuyama_weekday")
     assert "Shimotsuke-Hanaoka - Niita" in told.out
     assert "343M" in told.out
+
+
+TWO = "name,name_ja,km,tracks\n旭,旭,0.0,1\nO'Brien,緑,1.5,1\n東京スカイツリー前,東,3.1,1\n"
+
+
+def test_columns_stand_below_each_other_and_an_interval_that_is_too_short_is_no_least(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Japanese characters are two columns wide. There and back over 3 km at 85 km/h takes five minutes."""
+    (tmp_path / "two.csv").write_text(TWO, "utf-8")
+    assert main("new", "line", "two.csv", "two.toml", "--scenario", "day.toml").code == 0
+    for asked in (("running-times",), ("capacity", "--theory", "--cut", "interval", "--equipment")):
+        block = (out := main(*asked, "day.toml").out).split("\n\n")[0].splitlines()[2:]
+        columns = {cell_len(row[: row.index(".")]) for row in block}
+        assert (len(block) > 1, len(columns), "nan" in out) == (True, 1, False)
+    every = ("new", "timetable", "t.toml", "--line", "two.toml", "--every")
+    assert "expected a longer interval; 35 minutes are enough for one set" in main(*every, "10").err
+    assert main(*every, "20").code == 0

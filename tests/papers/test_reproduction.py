@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from network.errors import InputError
 from papers.parameter_sets import NotDriven
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, Reproduction
 from papers.specification import (
@@ -128,3 +129,14 @@ def test_what_is_drawn_evenly_is_what_is_printed() -> None:
     assert 0.39 < max(drawn) <= 0.4
     assert within.at(np.array([0.0, 0.5, 1.0])) == pytest.approx([0.2, 0.3, 0.4])
     assert within.parameter == Parameter("lag", "0.2 to 0.4", "s", "assumed")
+
+
+def test_where_nothing_can_be_drawn_nothing_is_run(tmp_path: Path) -> None:
+    """And an experiment that fails leaves no folder behind."""
+    made_up = Specification("made", "Made up", lambda _: 1 / 0, NULL, NotDriven("nothing moves"))  # type: ignore[arg-type,return-value]
+    (tmp_path / "taken").write_text("mine", "utf-8")
+    with pytest.raises(InputError, match=r"--out is '.*taken'; expected a directory that can be written"):
+        made_up(Options(out=str(tmp_path / "taken")))
+    with pytest.raises(ZeroDivisionError):
+        made_up(Options(out=str(tmp_path / "a" / "b")))
+    assert [path.name for path in tmp_path.iterdir()] == ["taken"]

@@ -38,7 +38,7 @@ def test_it_says_who_waits_for_what(without_loop: Any) -> None:  # noqa: ANN401
     stocks = {match[2]: match[4] for match in waits}
     assert len(waits) == len(stocks) >= 2
     # somewhere two trains wait for each other
-    holders = {stock: found[1] for stock, why in stocks.items() if (found := re.search(r"of (V\d)$", why))}
+    holders = {stock: found[1] for stock, why in stocks.items() if (found := re.search(r"of (V\d)\W?$", why))}
     assert any(holders.get(holder) == stock for stock, holder in holders.items())
 
 

@@ -13,7 +13,7 @@ from simulation.events import Danger, Event, Unsafe
 from simulation.faults.script import Expectation, Matcher, Property, Script
 from simulation.journal import Journal
 from simulation.judge.checkers import Violation
-from simulation.result import Ending, RunResult, StopRecord
+from simulation.result import Ending, RunResult, StopRecord, Waiting
 from simulation.world.records import TRACE
 from study.drilling.outcome_class import OutcomeKind, swept_run_of
 from study.drilling.verdict import judge
@@ -107,6 +107,8 @@ def test_a_stretch_that_never_begins_or_ends_meets_nothing() -> None:
         Expectation("t", holds=Property.SPEED_AT_MOST, unit="K1", kmh=15.0, after=never),
     ):
         assert verdict(expectation) == (False, "'K1 overruns' never happened")
+    ended_before = Expectation("t", C, after=B, until=A)
+    assert verdict(ended_before) == (False, f"'{A.text}' did not happen after 00:00:30.0")
 
 
 @pytest.mark.parametrize(
@@ -173,6 +175,9 @@ def test_every_train_must_arrive_empty_ones_too() -> None:
     all_arrive = Expectation("t", holds=Property.EVERYONE_ARRIVES)
     assert verdict(all_arrive)[0]
     assert verdict(all_arrive, result_of(empty_planned=("E2",))) == (False, "1 train did not arrive: E2")
+    stuck = [Waiting("K1", "T1", "section 6", "route 6>8: undefined")]
+    happened = verdict(all_arrive, result_of(trains_arrived=(), waiting=stuck))[1]
+    assert "; T1 (K1) stands in section 6 and waits for route 6>8: the block manager" in happened
 
 
 def test_who_should_have_left_must_have_left_and_the_run_must_have_reached_its_end() -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -16,9 +18,9 @@ from network.files.line_file import load_line
 from network.files.shipped import shipped_line
 from network.model import Direction
 from study.measures.summary import summarise
-from study.report import graph, labels
+from study.report import graph, labels, style
 from study.report.charts import draw_delays, draw_energy, draw_stop_errors
-from study.report.curve import draw_run_curve
+from study.report.curve import draw_run_curve, mark_stations
 from study.report.data import ReportedRun
 from study.report.graph import draw_train_graph, station_label
 from study.report.labels import Box, dense
@@ -173,3 +175,31 @@ def test_a_name_in_one_script_stands_once() -> None:
     station = load_line(shipped_line("karasuyama")).stations["OGN"]
     assert station_label(replace(station, name=station.name_ja)) == station.name_ja
     assert station_label(station).startswith(station.name)
+
+
+@pytest.mark.parametrize(("apart_m", "turned"), [(300.0, False), (1300.0, True), (5000.0, False)])
+def test_names_of_stations_of_a_run_curve_stand_beside_each_other(apart_m: float, turned: bool) -> None:
+    names = (
+        "Kiryu",
+        "Shimo-Shinden",
+        "Aioi",
+        "Undo-Koen",
+        "Omama",
+        "L'Abbaye Haute-Côte",
+        "O no Kuchi",
+        "Mato",
+    )
+    places = [(name, "下新田" * (1 + at % 2), apart_m * at) for at, name in enumerate(names)]
+    stations = [SimpleNamespace(name=name, name_ja=ja, position_m=at_m) for name, ja, at_m in places]
+    with style.drawing():
+        figure = Figure(figsize=(style.WIDTH_IN, 5.6), layout="constrained")
+        axes = figure.subplots(1, 1)
+        axes.set_xlim(*((40_000.0, -100.0) if turned else (-100.0, 40_000.0)))
+        mark_stations(cast(ReportedRun, SimpleNamespace(stations=stations)), (axes,), -100.0, 40_000.0)
+        figure.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) == len(names)
+    assert all(a.x1 <= b.x0 or b.x1 <= a.x0 for a, b in combinations(boxes, 2))
+    assert style.spread([0.0, 0.0, 0.0], [1.0, 3.0]) == pytest.approx(
+        [-5 / 3, -2 / 3, 7 / 3]
+    )  # 0 in the mean

@@ -149,7 +149,7 @@ def test_a_train_that_did_not_arrive_is_told_once_with_what_it_waits_for() -> No
     late = Violation(9.0, "everyone-arrives", "T1 has not arrived")
     place = "section 6 at km 0.700"
     for stands, waits_for, end in (
-        (True, "route 3>8: held", f"stands in {place} and waits for route 3>8: held"),
+        (True, "route 3>8: lost", f"stands in {place} and waits for route 3>8: the proof was lost"),
         (True, "nothing", f"stands in {place} and waits for nothing"),
         (False, "nothing", f"was on its way in {place}"),
     ):

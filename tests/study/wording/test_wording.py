@@ -19,7 +19,7 @@ from onboard.driving.tasc import StopVerdict
 from onboard.duty.unable import NoCharge
 from onboard.localisation.fix import OUTCOMES
 from onboard.localisation.table import READER_NAMES
-from onboard.notes import UnableToLeave
+from onboard.notes import UnableToLeave, VehicleUnfit
 from plan.arranging.arrange import _assumed
 from plan.arranging.problem import Arranged, PrintedMove
 from radio import messages
@@ -45,7 +45,7 @@ from study.wording import script
 from study.wording.assumptions import assumption
 from study.wording.catalogue import phrases_of
 from study.wording.compared import compared_name
-from study.wording.events import EVENT_WORDINGS, event_text
+from study.wording.events import EVENT_WORDINGS, event_text, wording_of
 from study.wording.forms import phrase_by_form
 from study.wording.phrase import Phrase, names_of
 from study.wording.reasons import reason
@@ -110,6 +110,13 @@ def test_what_a_set_lacks_to_its_next_charge_names_the_station() -> None:
         "unable to leave Ogane: 20.1 kWh to Karasuyama, where it can charge next: it has 20.0 kWh"
     )
     assert "烏山" in said.ja and "KRS" not in said.ja
+
+
+def test_doors_that_people_hold_open_are_no_fault() -> None:
+    """A late day would be one of a hundred faults. A brake out of order is one, and so is what a fault opens."""
+    tried = [wording_of(VehicleUnfit(why=why)) for why in ("doors not closed", "brake not in order")]
+    assert [wording.kind for wording in tried if wording] == ["doors", "fault"]
+    assert event_text(VehicleUnfit(why="doors not closed"), {}).en == "its doors are not shown as closed"
 
 
 def test_of_a_low_battery_it_is_said_what_that_means() -> None:
