@@ -90,9 +90,9 @@ def roster(
 
 def _rows(line: Line, found: FewestSets) -> Iterator[str]:
     why, numbers = found.roster.why, {train.number: train for train in found.trains}
-    yield (
-        f"{len(found.roster.sets)} sets run the {len(found.trains)} trains, which {found.today} run today: no fewer can"
-    )
+    sets = len(found.roster.sets)
+    run = "1 set runs" if sets == 1 else f"{sets} sets run"
+    yield f"{run} the {len(found.trains)} trains, which {found.today} run today: no fewer can"
     begin = [numbers[number] for number in why.begin]
     if why.after:
         yield f"why: of the {len(begin)} trains {_named(line, begin)}"

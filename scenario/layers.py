@@ -154,7 +154,7 @@ def _layers(
 ) -> list[tuple[Path, Data]]:
     """Files and their tables, the lowest first."""
     if path in above:
-        raise InputError(str(path), "extends", path.stem, "a scenario that does not extend itself")
+        raise InputError(str(above[-1]), "extends", path.stem, "a scenario that does not extend itself")
     data = parse_table(read_text(path), str(path))
     for key, what in _OTHERS.items():
         if key in data:

@@ -83,7 +83,7 @@ def read(file: Path) -> Certificate:
     data = file.read_bytes()
     digest, body = data[:_DIGEST_BYTES], data[_DIGEST_BYTES:]
     if blake2b(body, digest_size=_DIGEST_BYTES).digest() != digest:
-        raise InputError(str(file), "digest", digest.hex(), "the digest of what follows it")
+        raise InputError(str(file), "", f"{len(data)} bytes", "a certificate, whole as it was written")
     try:
         return msgspec.msgpack.decode(body, type=Certificate)
     except msgspec.MsgspecError as error:

@@ -151,7 +151,11 @@ CASES: Mapping[str, tuple[dict[str, str], tuple[str, ...]]] = {
     "extends itself": ({"s.toml": 'extends = "s"'}, ("s.toml: extends is 's'", "does not extend itself")),
     "extends in a circle": (
         {"s.toml": 'extends = "t"', "t.toml": 'extends = "s"'},
-        ("s.toml: extends is 's'", "does not extend itself"),
+        ("t.toml: extends is 's'", "does not extend itself"),
+    ),
+    "a time without quotes": (
+        {"s.toml": BASE + "[[fault]]\nkind = 'delay'\ntarget = '*'\nseconds = 1\nstart = 06:00:00\nend = '06:01'"},
+        ("s.toml: fault[0].start is '06:00:00'", 'expected "06:00:00", in quotes'),
     ),
     "empty": ({"s.toml": ""}, ("s.toml: id", "missing")),
 }  # fmt: skip
