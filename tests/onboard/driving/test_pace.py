@@ -6,7 +6,6 @@ from collections.abc import Callable
 import msgspec
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from onboard.driving.laws.cue import PLAN_NONE
 from onboard.driving.laws.settings import fit_law
@@ -16,8 +15,8 @@ from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, PathData
 from onboard.unit_records import UnitParameters
+from tests.rows import Rows
 
-Rows = NDArray[np.void]
 DEPART = DrivingCommand(
     drive=True, target=1, limit=StopLimit(5, None, "end of the path"), rear=0, orders=(DrivingOrder.DEPART,)
 )
