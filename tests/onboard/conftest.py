@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable
@@ -45,11 +44,10 @@ from tests.onboard.unit_bench import (
     proof,
 )
 from tests.onboard.unit_bench import UNIT as UNIT_ID
+from tests.rows import Rows
 from vehicle.record import put_settings
 from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
-
-Rows = NDArray[np.void]
 
 LINE_SPEED_MPS = 18.0
 

@@ -3,16 +3,15 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from onboard.board import SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN
 from onboard.records import NO_INTERVENTION, NO_PLACES, Chart
 from onboard.tick import tick
+from tests.rows import Rows
 from vehicle.dynamics import step
 from vehicle.train_file import new_plant
 
-Rows = NDArray[np.void]
 NO_PLAN = np.zeros(0, dtype=PLAN)
 
 START_M = 100.0

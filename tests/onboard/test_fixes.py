@@ -5,11 +5,9 @@ from collections.abc import Callable
 from typing import Final
 
 import msgspec
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from network.model import TagPurpose
 from onboard import notes
@@ -31,7 +29,6 @@ from onboard.motion import NO_ROOM, UnitMotion
 from onboard.records import EVENT_CONTRADICTED, EVENT_FOUND, EVENT_IDLE, EVENT_PLACE, EVENT_POSITION
 from onboard.unit_records import UnitParameters
 
-Rows = NDArray[np.void]
 MARK_B_M: Final = 660.0
 RUN: Final = DrivingCommand(
     drive=True,

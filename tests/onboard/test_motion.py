@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from onboard import mission as mission_module
 from onboard.duty.records import (
@@ -42,7 +41,6 @@ from onboard.records import (
 )
 from onboard.unit_records import UnitParameters
 
-Rows = NDArray[np.void]
 # Sections 3, 5, 6, 7 and 8 of mission T1 begin here; the path ends at 690 m.
 STARTS_M: Final = (0.0, 110.0, 170.0, 520.0, 580.0)
 ENDS_M: Final = (*STARTS_M[1:], 690.0)

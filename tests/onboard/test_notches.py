@@ -17,7 +17,8 @@ from onboard.records import (
     BehaviourRow,
 )
 from tests.nightly import A_FIFTH
-from tests.onboard.drive_along import START_M, TRACK_M, Rows, drive_along
+from tests.onboard.drive_along import START_M, TRACK_M, drive_along
+from tests.rows import Rows
 from vehicle.records import TrainRow
 from vehicle.traction import full_force_n
 

@@ -2,7 +2,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from onboard.board import SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN
@@ -18,8 +17,8 @@ from onboard.records import (
     UnitRow,
 )
 from onboard.tick import IDLE_S, stands_idle, tick
+from tests.rows import Rows
 
-Rows = NDArray[np.void]
 NO_PLAN = np.zeros(0, dtype=PLAN)
 
 

@@ -3,9 +3,6 @@
 from collections.abc import Sequence
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from network.model import Line, Position
 from onboard.driving.stop_keeper import StopKeeper
 from onboard.duty.records import Begin, DutyPhase, Person, Sensed, Told
@@ -18,9 +15,8 @@ from onboard.unit_records import UnitParameters
 from radio.envelope import Endpoint, Received
 from radio.keys import key_ring
 from radio.messages import AnyMessage, Capability, PointsCommand, PointsProof
+from tests.rows import Rows
 from vehicle.records import TrainRow
-
-Rows = NDArray[np.void]
 
 MASTER: Final = b"m" * 32
 UNIT, MANAGER, TERMINALS = "K1", "BM", ("A-E", "B-W")

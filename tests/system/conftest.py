@@ -4,8 +4,6 @@ A switch patches the function that carries the behaviour; pytest puts it back. `
 but what somebody else does wrong, against whom a behaviour protects.
 """
 
-from collections.abc import Callable
-
 import pytest
 
 from scenario.scenario import load_scenario
@@ -20,7 +18,7 @@ from tests.system import (  # noqa: F401 - they enter themselves
     switches_wayside,
     switches_wide,
 )
-from tests.system.switchboard import FOLDER, SWITCHES, Switch
+from tests.system.switchboard import FOLDER, SWITCHES, RunWith, Switch
 
 
 @pytest.fixture(scope="session")
@@ -29,7 +27,7 @@ def switch_names() -> frozenset[str]:
 
 
 @pytest.fixture
-def run_with(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[FinishedRun, set[str]]]:
+def run_with(monkeypatch: pytest.MonkeyPatch) -> RunWith:
     """Run a scenario or drill with switches thrown; the run, and who objects: checkers, unmet expectations.
 
     On plain track, which takes half of the time: that SUMO carries the same run is `test_defects`' to say. With a road,

@@ -10,8 +10,10 @@ import pytest
 from onboard.authority import machine as authority
 from onboard.authority import records as sym
 from onboard.authority.tables import Handler
+from study.runner.run import FinishedRun
 
 Switch = Callable[[pytest.MonkeyPatch], None]
+RunWith = Callable[..., tuple[FinishedRun, set[str]]]
 
 FOLDER: Final = Path(__file__).parent / "defects"
 TRAIN_M: Final = 40.0  # length of the train of every scenario here

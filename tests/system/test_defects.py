@@ -6,17 +6,15 @@
 not hold. Without the defect every scenario, its misbehaviour included, ends with nothing broken and all it expects.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import pytest
 
 from simulation.judge.checkers import Checker
-from study.runner.run import CarrierKind, FinishedRun
+from study.runner.run import CarrierKind
 from tests.nightly import others_nightly
-
-RunWith = Callable[..., tuple[FinishedRun, set[str]]]
+from tests.system.switchboard import RunWith
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ Switches are those of `conftest`, by name, and those that no other test needs, h
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -37,14 +37,12 @@ from simulation.world.crew import Crew
 from simulation.world.on_board import OnBoard
 from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
-from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
+from tests.system.switchboard import RunWith, Switch
 from wayside import dispatch, orders
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 from wayside.dispatch import DispatchRequest
 from wayside.register import Against, Register
-
-Switch = Callable[[pytest.MonkeyPatch], None]
 
 FOLDER: Final = "rtri/"
 TRAIN_M: Final = 40.0
@@ -225,6 +223,8 @@ def says_everything_over_the_cable(patch: pytest.MonkeyPatch) -> None:
 NOT_YET: Final = frozenset({"27_slippery_rail"})
 
 LOW_SPEED: Final = "low speed until position and holdings are known"
+NOT_ACCEPTED: Final = "nothing is granted before persons have accepted the picture"
+NOT_WITHOUT: Final = "the unit is not taken for one that holds nothing"
 NOTHING_GRANTED: Final = "nothing is granted while it is off or undefined"
 # drill: switch, and one expectation or checker that must object
 WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
@@ -256,14 +256,8 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
             "restarts_at_full_speed",
             "K2 runs at low speed until position and holdings are known",
         ),
-        "14c_manager_and_units_one_each": (
-            "starts_with_every_section_free",
-            "nothing is granted before persons have accepted the picture",
-        ),
-        "15_crew_comes_late": (
-            "forgets_that_it_was_on_the_line",
-            "the unit is not taken for one that holds nothing",
-        ),
+        "14c_manager_and_units_one_each": ("starts_with_every_section_free", NOT_ACCEPTED),
+        "15_crew_comes_late": ("forgets_that_it_was_on_the_line", NOT_WITHOUT),
         "16a_manager_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "16b_unit_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
         "16c_terminal_store_lost": ("takes_a_lost_store_for_a_first_start", "it does not start by itself"),
@@ -341,21 +335,12 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "75b_claim_off_the_path": ("keeps_what_is_off_its_way", "and it leaves the line"),
         "75_claim_far_behind": ("ends_its_way_at_a_gap_behind", "to its mark in the portal"),
         "76_by_section": (releases_whole_routes, "T3 is let onto that track while T1 is on its way"),
-        "76b_by_section_power_between": (
-            "starts_with_every_section_free",
-            "nothing is granted before persons have accepted the picture",
-        ),
+        "76b_by_section_power_between": ("starts_with_every_section_free", NOT_ACCEPTED),
         "76c_by_section_reports_lost": (reports_once, "then what both would have freed, at once"),
         "76d_by_section_tag_lies": ("believes_any_tag", "the unit does not believe it"),
-        "76e_by_section_crew_comes_late": (
-            "forgets_that_it_was_on_the_line",
-            "the unit is not taken for one that holds nothing",
-        ),
+        "76e_by_section_crew_comes_late": ("forgets_that_it_was_on_the_line", NOT_WITHOUT),
         "77_follows_in_blocks": (grants_no_part, "T3 is let onto the blocks, not into B"),
-        "77b_power_in_a_block": (
-            "starts_with_every_section_free",
-            "nothing is granted before persons have accepted the picture",
-        ),
+        "77b_power_in_a_block": ("starts_with_every_section_free", NOT_ACCEPTED),
         "78_comes_in_at_once": (
             gives_points_back_running,
             "nor given leave for them, though T1's arrival tag says that its rear is in",
@@ -451,18 +436,14 @@ EVERY_RUN: Final = (
 
 
 @pytest.mark.parametrize("drill", others_nightly(WITHOUT, EVERY_RUN))
-def test_a_drill_fails_without_the_behaviour_that_it_checks(
-    drill: str, run_with: Callable[..., tuple[FinishedRun, set[str]]]
-) -> None:
+def test_a_drill_fails_without_the_behaviour_that_it_checks(drill: str, run_with: RunWith) -> None:
     switched_off, objector = WITHOUT[drill]
     _, objections = run_with(FOLDER + drill, switched_off)
     assert objector in objections
 
 
 @pytest.mark.nightly
-def test_a_driver_on_sight_stops_at_a_halt_whatever_his_unit_knows(
-    run_with: Callable[..., tuple[FinishedRun, set[str]]],
-) -> None:
+def test_a_driver_on_sight_stops_at_a_halt_whatever_his_unit_knows(run_with: RunWith) -> None:
     """Placed by a tag, but without radio, the unit shows that it runs on sight and tells nobody of an arrival."""
 
     def drives_while_unplaced(patch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,5 @@
 """A proof withdrawn while a train runs up to the points, at any time: it stops before them, or could not any more."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,8 +8,8 @@ from onboard.notes import ProofDropped
 from simulation.judge.checkers import Checker
 from simulation.judge.locking import RouteLocking
 from simulation.judge.points import ProvenPoints
-from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
+from tests.system.switchboard import RunWith
 
 
 @pytest.fixture
@@ -48,7 +47,7 @@ def test_it_stops_before_the_points_or_could_not_any_more(
     too_late: bool,
     delay_s: float,
     tmp_path: Path,
-    run_with: Callable[..., tuple[FinishedRun, set[str]]],
+    run_with: RunWith,
     excused: list[bool],
 ) -> None:
     done, objections = run_with(script(tmp_path, after_s - delay_s, delay_s))
@@ -60,7 +59,7 @@ def test_it_stops_before_the_points_or_could_not_any_more(
 
 @pytest.mark.parametrize("after_s", [8.0, 20.5])
 def test_a_unit_that_does_not_brake_for_it_is_found(
-    after_s: float, tmp_path: Path, run_with: Callable[..., tuple[FinishedRun, set[str]]]
+    after_s: float, tmp_path: Path, run_with: RunWith
 ) -> None:
     _, objections = run_with(script(tmp_path, after_s, 0.0), "does_not_wait_for_proof")
     assert Checker.PROVEN_BEFORE_ENTRY.value in objections

@@ -1,6 +1,5 @@
 """A tachometer that errs is compared with another axle: the front stays inside its bounds from the first metre on."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -13,9 +12,8 @@ from papers.position_run import Moment, PositionRun
 from simulation.judge.checkers import Checker
 from simulation.world.premises import FalsePositions
 from simulation.world.trains import Trains
-from study.runner.run import CarrierKind, FinishedRun
-
-RunWith = Callable[..., tuple[FinishedRun, set[str]]]
+from study.runner.run import CarrierKind
+from tests.system.switchboard import RunWith
 
 DEPARTS_S: Final = 36_000.0
 SHOWS_A_FIFTH: Final = """

@@ -4,11 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from tests.rows import Rows
 from vehicle.train_file import load_train, shipped_train
-
-Rows = NDArray[np.void]
 
 
 @pytest.fixture(scope="session")

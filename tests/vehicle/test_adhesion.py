@@ -1,15 +1,9 @@
-from collections.abc import Callable
-
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from tests.rows import Change, Rows
 from vehicle.adhesion import adhesion_coefficient, bounded_slip_mps, next_slip_mps, rotating_mass_kg
 from vehicle.dynamics import step
 from vehicle.train_file import new_plant
-
-Rows = NDArray[np.void]
-Change = Callable[..., NDArray[np.void]]
 
 DT_S = 0.1
 

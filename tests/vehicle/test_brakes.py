@@ -1,12 +1,9 @@
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from tests.rows import Rows
 from vehicle.brakes import regenerative_limit_n, service_notch, service_target_mps2
-
-Rows = NDArray[np.void]
 
 
 def test_full_service_is_what_the_sources_say(ev_e301: Rows, oda: Rows, hitachi: Rows) -> None:

@@ -1,21 +1,17 @@
 import math
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from tests.rows import Change, Rows
 from vehicle.adhesion import adhesion_coefficient
 from vehicle.dynamics import equivalent_mass_kg, step
 from vehicle.mass import mass_kg
 from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n
 from vehicle.train_file import new_plant
-
-Rows = NDArray[np.void]
-Change = Callable[..., NDArray[np.void]]
 
 DT_S = 0.1
 commands = st.lists(st.tuples(st.integers(-7, 5), st.integers(1, 20)), min_size=1, max_size=8)

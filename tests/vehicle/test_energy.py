@@ -1,19 +1,16 @@
 """Where each step's energy goes: the parts close at every instant, and fail to without any one of them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from tests.rows import Rows
 from vehicle.dynamics import step
 from vehicle.train_file import load_train, new_plant, shipped_train
-
-Rows = NDArray[np.void]
-Change = Callable[..., Rows]
 
 DT_S: Final = 0.1
 PARTS: Final = (

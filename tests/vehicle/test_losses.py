@@ -1,7 +1,6 @@
 """The map of losses and the number of motors that run: what physics asks of them, and what a file may not say."""
 
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -9,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from network.errors import InputError
+from tests.rows import Change, Rows
 from vehicle.dynamics import step
 from vehicle.losses import losses_w, motors_needed, no_load_w, running_motors
 from vehicle.mass import equivalent_mass_kg
@@ -19,9 +18,6 @@ from vehicle.optimum.costs import cost_terms
 from vehicle.running_time import predicted_run
 from vehicle.train_file import load_train, new_plant, shipped_train
 from vehicle.wire import power_at_grip_w, wire_power_w
-
-Rows = NDArray[np.void]
-Change = Callable[..., Rows]
 
 CONSTANT: Final = ("br642", "ev_e301", "hitachi_train", "oda_scale_car", "oda_train")
 ROWS: Final = {name: load_train(shipped_train(name)).row for name in CONSTANT}

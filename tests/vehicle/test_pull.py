@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from tests.rows import Rows
 from vehicle import pull, running_time
 from vehicle.adhesion import DRY
 from vehicle.dynamics import step
@@ -15,7 +16,6 @@ from vehicle.pull import full_pull_n, mean_gradient_permille
 from vehicle.running_time import Conditions, Stall, stall_of
 from vehicle.train_file import new_plant
 
-Rows = NDArray[np.void]
 NOTCH = 16.0
 STEPS = 300
 LIMIT = np.full(4001, 20.0)

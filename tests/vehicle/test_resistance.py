@@ -1,7 +1,6 @@
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from tests.rows import Rows
 from vehicle.mass import mass_kg
 from vehicle.resistance import (
     curve_resistance_n,
@@ -10,8 +9,6 @@ from vehicle.resistance import (
     resistance_n,
     running_resistance_n,
 )
-
-Rows = NDArray[np.void]
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 import math
 import re
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,15 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from tests.rows import Change, Rows
 from vehicle.dynamics import step
 from vehicle.mass import equivalent_mass_kg, mass_kg
 from vehicle.resistance import climb_m, resistance_n
 from vehicle.running_time import predicted_course, predicted_run
 from vehicle.traction import full_force_n
 from vehicle.train_file import new_plant
-
-Rows = NDArray[np.void]
-Change = Callable[..., NDArray[np.void]]
 
 TRAIN_RUNS = Path(__file__).resolve().parents[2] / "../shared/data/trainruns"
 SPEED_MAX_MPS = 120 / 3.6

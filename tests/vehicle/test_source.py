@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from tests.rows import Rows
 from vehicle.dynamics import step
 from vehicle.source import pull_within_n
 from vehicle.train_file import load_train, new_plant, shipped_train
 from vehicle.wire import power_at_grip_w
-
-Rows = NDArray[np.void]
 
 DT_S = 0.1
 AUXILIARY_W = 30_000.0

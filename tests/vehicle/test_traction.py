@@ -1,13 +1,7 @@
-from collections.abc import Callable
-
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from tests.rows import Change, Rows
 from vehicle.traction import full_force_n, notch_share, traction_target_n
-
-Rows = NDArray[np.void]
-Change = Callable[..., NDArray[np.void]]
 
 
 def test_constant_force_then_constant_power(ev_e301: Rows) -> None:

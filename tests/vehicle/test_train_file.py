@@ -3,13 +3,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from network.errors import InputError
+from tests.rows import Rows
 from vehicle.records import PLANT, TRAIN
 from vehicle.train_file import TrainType, load_train, new_plant, shipped_train
-
-Rows = NDArray[np.void]
 
 SHIPPED = tuple(sorted(file.stem for file in shipped_train("ev_e301").parent.glob("*.toml")))
 

@@ -6,45 +6,25 @@ holds A and B (and stands in B), u2 holds E, u3 holds P9, u4 is off the line.
 
 from collections.abc import Iterable, Mapping
 
-from radio.keys import capability_key
+from msgspec.structs import replace
+
 from radio.messages import AnyMessage, Claim, Contested, RouteGranted, RouteRequest, SignOnAccepted
 from radio.noted import Noted
+from tests.wayside.manager_desk import CONFIG, KEYS
 from wayside.actions import Send, Show
 from wayside.acts import Act
 from wayside.block_manager import AskUnits, Heard, step
-from wayside.config import ManagerConfig, ReentryMode, RouteEntry, SectionEntry
+from wayside.config import ManagerConfig, ReentryMode, RouteEntry
 from wayside.register import Register, start
 from wayside.said import AcceptPicture, Contradicted, EnterSection, Note, Refused
 
 SECTIONS = ("P0", "A", "B", "C", "D", "E", "P9")
-ROUTES = (
-    RouteEntry("in", "P0", ("A", "B")),
-    RouteEntry("over", "B", ("C", "D", "E")),
-    RouteEntry("back", "E", ("D", "C", "B")),
-    RouteEntry("up", "P9", ("E",)),
-    RouteEntry("out", "B", ("A", "P0")),
-)
+ROUTES = (*CONFIG.routes, RouteEntry("up", "P9", ("E",)), RouteEntry("out", "B", ("A", "P0")))
 HELD = {"u1": ("A", "B"), "u2": ("E",), "u3": ("P9",)}
-KEYS = {terminal: capability_key(b"m" * 32, terminal) for terminal in ("tA", "tD")}
 
 
 def config_of(mode: ReentryMode) -> ManagerConfig:
-    return ManagerConfig(
-        "line",
-        "block-manager",
-        ("u1", "u2", "u3", "u4"),
-        (
-            SectionEntry("P0", portal=True),
-            SectionEntry("A", terminal_ids=("tA",)),
-            SectionEntry("B"),
-            SectionEntry("C", open_line=True),
-            SectionEntry("D", terminal_ids=("tD",)),
-            SectionEntry("E"),
-            SectionEntry("P9", portal=True),
-        ),
-        ROUTES,
-        reentry=mode,
-    )
+    return replace(CONFIG, unit_ids=(*CONFIG.unit_ids, "u4"), routes=ROUTES, reentry=mode)
 
 
 class Desk:

@@ -15,7 +15,6 @@ from onboard.authority.records import (
     BeginOnLine,
     ConfirmationHeard,
     ContestHeard,
-    Event,
     FoundAt,
     OpenRequest,
     RefusalHeard,
@@ -31,6 +30,7 @@ from onboard.authority.records import (
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, Result, SignOnStanding, Table, standing
 from tests.onboard.authority.test_machine import Course, after_all, begun, courses_with_crew
+from tests.onboard.duty.stage import AuthorityCase, became
 
 REPORT: Final = Timer("report")
 OPEN: Final = OpenRequest(RequestKind.REPORT, sent=True)
@@ -66,30 +66,22 @@ def said(why: str, *section_ids: str) -> tuple[Action, ...]:
     )
 
 
-CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
+CASES: Final[dict[str, AuthorityCase]] = {
     "contested, the train is stopped, and says what it holds": (
         HOLDING,
         ContestHeard(("5", "6")),
         stopped(HOLDING, CONTESTED),
         said(CONTESTED, "3", "5", "6"),
     ),
-    "contested again, nothing new is said": (
-        stopped(HOLDING, CONTESTED),
-        ContestHeard(("5", "6")),
-        stopped(HOLDING, CONTESTED),
-        (),
-    ),
+    "contested again, nothing new is said": became(stopped(HOLDING, CONTESTED), ContestHeard(("5", "6"))),
     "contested while it reports, its report stays open": (
         replace(HOLDING, requests=(OPEN,)),
         ContestHeard(("5", "6")),
         stopped(HOLDING, CONTESTED),
         (Write(notes.Mismatch(why=CONTESTED)),),
     ),
-    "contested while it signs on, only remembered: its sign-on is open": (
-        SIGNING_ON,
-        ContestHeard(("5", "6")),
-        replace(SIGNING_ON, mismatch=CONTESTED),
-        (Write(notes.Mismatch(why=CONTESTED)),),
+    "contested while it signs on, only remembered: its sign-on is open": became(
+        SIGNING_ON, ContestHeard(("5", "6")), (Write(notes.Mismatch(why=CONTESTED)),), mismatch=CONTESTED
     ),
     "contested while it signs off": (
         SIGNING_OFF,
@@ -109,28 +101,29 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         stopped(SIGNING_OFF, REFUSED),
         said(REFUSED, "PE"),
     ),
-    "its sign-on refused where it says that it stands, the train is stopped, and it asks again": (
+    "its sign-on refused where it says that it stands, the train is stopped, and it asks again": became(
         SIGNING_ON,
         replace(DENIED, answers=True),
-        replace(SIGNING_ON, mismatch=REFUSED, requests=(replace(CLAIMING, refusal=DENIED.why),)),
         (
             SetTimer(CLAIMING.timer, REFUSED_REPEAT_S),
             Write(notes.SignOnDenied(why=DENIED.why)),
             Write(notes.Mismatch(why=REFUSED)),
         ),
+        mismatch=REFUSED,
+        requests=(replace(CLAIMING, refusal=DENIED.why),),
     ),
-    "refused again, it is stopped already": (
+    "refused again, it is stopped already": became(
         replace(SIGNING_ON, mismatch=REFUSED),
         replace(DENIED, answers=True),
-        replace(SIGNING_ON, mismatch=REFUSED, requests=(replace(CLAIMING, refusal=DENIED.why),)),
         (SetTimer(CLAIMING.timer, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why=DENIED.why))),
+        requests=(replace(CLAIMING, refusal=DENIED.why),),
     ),
     "a refusal of another sign-on stops nothing": (SIGNING_ON, DENIED, SIGNING_ON, ()),
-    "a wish to enter that is refused stops nothing": (
+    "a wish to enter that is refused stops nothing": became(
         replace(SIGNING_ON, held=(), entering=True),
         replace(DENIED, answers=True),
-        replace(SIGNING_ON, held=(), entering=True, requests=(replace(CLAIMING, refusal=DENIED.why),)),
         (SetTimer(CLAIMING.timer, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why=DENIED.why))),
+        requests=(replace(CLAIMING, refusal=DENIED.why),),
     ),
     "who does not know what it holds claims nothing that could be refused": (
         Authority(requests=(replace(CLAIMING, section_ids=None),)),
@@ -168,11 +161,8 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             SetTimer(AT_8.timer, REPEAT_S),
         ),
     ),
-    "an acceptance with all and more ends nothing: only the answer to its report does": (
-        stopped(HOLDING, REFUSED),
-        SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False),
-        stopped(HOLDING, REFUSED),
-        (),
+    "an acceptance with all and more ends nothing: only the answer to its report does": became(
+        stopped(HOLDING, REFUSED), SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False)
     ),
 }
 

@@ -13,7 +13,6 @@ from onboard.authority.records import (
     Authority,
     Cleared,
     ConfirmationHeard,
-    Event,
     OpenCommand,
     OpenRequest,
     Renew,
@@ -27,7 +26,7 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, standing
-from tests.onboard.duty.stage import P5, P7
+from tests.onboard.duty.stage import P5, P7, AuthorityCase, became
 
 REPORT: Final = Timer("report")
 OPEN: Final = OpenRequest(RequestKind.REPORT, sent=True)
@@ -51,7 +50,7 @@ def reported(*section_ids: str) -> tuple[Action, ...]:
 
 LESS, CONTESTED = "the register has less", "contested: 6, 7"
 
-CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
+CASES: Final[dict[str, AuthorityCase]] = {
     "dropped here, with proofs and commands, before it is said": (
         replace(HOLDING, commands=(OpenCommand(P5, sent=True),), proven=(P7,), unsaid=(P5,)),
         Cleared(("3", "5")),
@@ -64,28 +63,24 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         ),
     ),
     "what is not held cannot be dropped": (HOLDING, Cleared(("99",)), HOLDING, ()),
-    "more dropped while a report is open: it becomes a new one": (
+    "more dropped while a report is open: it becomes a new one": became(
         REPORTING,
         Cleared(("6",)),
-        replace(REPORTING, held=("7", "8")),
         (Renew(RequestKind.REPORT), Write(notes.Holds(section_ids=("7", "8"), token=0)), *reported("7", "8")),
+        held=("7", "8"),
     ),
-    "done when the register has the same, in whatever order": (
+    "done when the register has the same, in whatever order": became(
         REPORTING,
         ConfirmationHeard(("8", "7", "6"), answers=True, newer=False),
-        replace(REPORTING, requests=(ASKED,)),
         (StopTimer(REPORT),),
+        requests=(ASKED,),
     ),
-    "while the register has more, the report stays open": (
-        REPORTING,
-        ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False),
-        REPORTING,
-        (),
+    "while the register has more, the report stays open": became(
+        REPORTING, ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False)
     ),
-    "refused for its token, it is said again under the newer one, and no section is added": (
+    "refused for its token, it is said again under the newer one, and no section is added": became(
         REPORTING,
         ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=True),
-        REPORTING,
         (
             Take(()),
             Renew(RequestKind.ROUTE),
@@ -94,10 +89,9 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             *reported("6", "7", "8"),
         ),
     ),
-    "confirmed under a newer token, that is taken": (
+    "confirmed under a newer token, that is taken": became(
         REPORTING,
         ConfirmationHeard(("6", "7", "8"), answers=True, newer=True),
-        replace(REPORTING, requests=(ASKED,)),
         (
             StopTimer(REPORT),
             Take(()),
@@ -105,60 +99,56 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             SendRequest(replace(ASKED, sent=False)),
             SetTimer(Timer("route"), REPEAT_S),
         ),
+        requests=(ASKED,),
     ),
-    "what is left that had to be swept was swept, and the report says so": (
+    "what is left that had to be swept was swept, and the report says so": became(
         replace(HOLDING, unswept=("3", "6")),
         Cleared(("3", "5")),
-        replace(
-            HOLDING, held=("6", "7", "8"), commandable=("7",), requests=(OPEN,), unswept=("6",), swept=("3",)
-        ),
         (
             Renew(RequestKind.REPORT),
             Write(notes.Holds(section_ids=("6", "7", "8"), token=0)),
             SendRequest(OpenRequest(RequestKind.REPORT, section_ids=("6", "7", "8"), swept=("3",))),
             *reported("6", "7", "8")[1:],
         ),
+        held=("6", "7", "8"),
+        commandable=("7",),
+        requests=(OPEN,),
+        unswept=("6",),
+        swept=("3",),
     ),
-    "what was swept and never held is not said": (
-        replace(HOLDING, unswept=("99",)),
-        Cleared(("99",)),
-        replace(HOLDING, unswept=("99",)),
-        (),
-    ),
+    "what was swept and never held is not said": became(replace(HOLDING, unswept=("99",)), Cleared(("99",))),
     "confirmed, what was swept is said no more": (
         replace(REPORTING, swept=("5",)),
         ConfirmationHeard(("6", "7", "8"), answers=True, newer=False),
         replace(REPORTING, requests=(ASKED,)),
         (StopTimer(REPORT),),
     ),
-    "confirmed with more, what was swept stays to be said": (
-        replace(REPORTING, swept=("5",)),
-        ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False),
-        replace(REPORTING, swept=("5",)),
-        (),
+    "confirmed with more, what was swept stays to be said": became(
+        replace(REPORTING, swept=("5",)), ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False)
     ),
-    "confirmed with less, the train is stopped, and it is reported again": (
+    "confirmed with less, the train is stopped, and it is reported again": became(
         REPORTING,
         ConfirmationHeard(("6", "7"), answers=True, newer=False),
-        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=LESS)), mismatch=LESS),
         (Write(notes.Mismatch(why=LESS)), SetTimer(REPORT, REFUSED_REPEAT_S)),
+        requests=(ASKED, replace(OPEN, refusal=LESS)),
+        mismatch=LESS,
     ),
-    "confirmed with less for the second time, nothing new is written": (
+    "confirmed with less for the second time, nothing new is written": became(
         replace(REPORTING, mismatch=LESS),
         ConfirmationHeard(("6", "7"), answers=True, newer=False),
-        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=LESS)), mismatch=LESS),
         (SetTimer(REPORT, REFUSED_REPEAT_S),),
+        requests=(ASKED, replace(OPEN, refusal=LESS)),
     ),
-    "confirmed and contested, the train is stopped, and it is reported again": (
+    "confirmed and contested, the train is stopped, and it is reported again": became(
         REPORTING,
         ConfirmationHeard(("6", "7", "8"), answers=True, newer=False, contested=("6", "7")),
-        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
         (Write(notes.Mismatch(why=CONTESTED)), SetTimer(REPORT, REFUSED_REPEAT_S)),
+        requests=(ASKED, replace(OPEN, refusal=CONTESTED)),
+        mismatch=CONTESTED,
     ),
-    "contested under a newer token, that is taken all the same": (
+    "contested under a newer token, that is taken all the same": became(
         REPORTING,
         ConfirmationHeard(("6", "7", "8"), answers=True, newer=True, contested=("6", "7")),
-        replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
         (
             Write(notes.Mismatch(why=CONTESTED)),
             SetTimer(REPORT, REFUSED_REPEAT_S),
@@ -167,6 +157,8 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             SendRequest(replace(ASKED, sent=False)),
             SetTimer(Timer("route"), REPEAT_S),
         ),
+        requests=(ASKED, replace(OPEN, refusal=CONTESTED)),
+        mismatch=CONTESTED,
     ),
     "agreement restored: the same is held, with nothing contested": (
         replace(REPORTING, requests=(ASKED, replace(OPEN, refusal=CONTESTED)), mismatch=CONTESTED),
@@ -174,37 +166,28 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(REPORTING, requests=(ASKED,)),
         (StopTimer(REPORT), Write(notes.Agreed())),
     ),
-    "more in the register restores no agreement: it is reported until that has the same": (
+    "more in the register restores no agreement: it is reported until that has the same": became(
         replace(REPORTING, mismatch=CONTESTED),
         ConfirmationHeard(("5", "6", "7", "8"), answers=True, newer=False),
-        replace(REPORTING, mismatch=CONTESTED),
-        (),
     ),
-    "signing off, too, it is stopped while its portal is contested": (
+    "signing off, too, it is stopped while its portal is contested": became(
         SIGNING_OFF,
         ConfirmationHeard(("PE",), answers=True, newer=False, contested=("PE",)),
-        replace(
-            SIGNING_OFF, requests=(LEAVING, replace(OPEN, refusal="contested: PE")), mismatch="contested: PE"
-        ),
         (Write(notes.Mismatch(why="contested: PE")), SetTimer(REPORT, REFUSED_REPEAT_S)),
+        requests=(LEAVING, replace(OPEN, refusal="contested: PE")),
+        mismatch="contested: PE",
     ),
-    "a confirmation of an older report is none": (
-        REPORTING,
-        ConfirmationHeard(("6", "7", "8"), answers=False, newer=True),
-        REPORTING,
-        (),
+    "a confirmation of an older report is none": became(
+        REPORTING, ConfirmationHeard(("6", "7", "8"), answers=False, newer=True)
     ),
-    "a confirmation without a report is none": (
-        HOLDING,
-        ConfirmationHeard(("3",), answers=True, newer=True),
-        HOLDING,
-        (),
+    "a confirmation without a report is none": became(
+        HOLDING, ConfirmationHeard(("3",), answers=True, newer=True)
     ),
-    "signing off, too, a report is confirmed": (
+    "signing off, too, a report is confirmed": became(
         SIGNING_OFF,
         ConfirmationHeard(("PE",), answers=True, newer=False),
-        replace(SIGNING_OFF, requests=(LEAVING,)),
         (StopTimer(REPORT),),
+        requests=(LEAVING,),
     ),
 }
 

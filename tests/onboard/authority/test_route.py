@@ -9,10 +9,8 @@ from onboard import notes
 from onboard.authority import route
 from onboard.authority.machine import step
 from onboard.authority.records import (
-    Action,
     AskRoute,
     Authority,
-    Event,
     GiveBack,
     GrantHeard,
     OpenRequest,
@@ -28,7 +26,7 @@ from onboard.authority.records import (
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
 from tests.onboard.authority.test_report import reported
-from tests.onboard.duty.stage import P5, SECTIONS, holds
+from tests.onboard.duty.stage import P5, SECTIONS, AuthorityCase, became, holds
 
 ROUTE: Final = Timer("route")
 
@@ -47,7 +45,7 @@ def other(grant: GrantHeard, **changes: object) -> GrantHeard:
     return replace(grant, **changes)
 
 
-CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
+CASES: Final[dict[str, AuthorityCase]] = {
     "asked for": (
         ON_LINE,
         AskRoute("3>8", SECTIONS),
@@ -88,29 +86,24 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         HOLDING,
         (*TAKEN, holds("3", *SECTIONS)),
     ),
-    "refused, it is asked for again later, as a new request": (
+    "refused, it is asked for again later, as a new request": became(
         ASKING,
         REFUSAL,
-        replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
         (
             Renew(RequestKind.ROUTE),
             SetTimer(ROUTE, REFUSED_REPEAT_S),
             Write(notes.RouteDenied(route_id="3>8", why=REFUSAL.why)),
         ),
+        requests=(replace(OPEN, refusal=REFUSAL.why),),
     ),
-    "refused for the same reason, nothing new is written": (
+    "refused for the same reason, nothing new is written": became(
         replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
         REFUSAL,
-        replace(ASKING, requests=(replace(OPEN, refusal=REFUSAL.why),)),
         (Renew(RequestKind.ROUTE), SetTimer(ROUTE, REFUSED_REPEAT_S)),
     ),
-    "a manager that lost sight of the unit gets a report": (
+    "a manager that lost sight of the unit gets a report": became(
         ASKING,
         replace(REFUSAL, why="stale token", lost_sight=True),
-        replace(
-            ASKING,
-            requests=(replace(OPEN, refusal="stale token"), OpenRequest(RequestKind.REPORT, sent=True)),
-        ),
         (
             Renew(RequestKind.ROUTE),
             SetTimer(ROUTE, REFUSED_REPEAT_S),
@@ -118,6 +111,7 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             Renew(RequestKind.REPORT),
             *reported("3"),
         ),
+        requests=(replace(OPEN, refusal="stale token"), OpenRequest(RequestKind.REPORT, sent=True)),
     ),
     "a refusal of another request is none": (ASKING, replace(REFUSAL, answers=False), ASKING, ()),
     "a refusal of another route is none": (ASKING, replace(REFUSAL, subject="3>9"), ASKING, ()),

@@ -15,7 +15,6 @@ from onboard.authority.records import (
     Commit,
     EarlierBootCalled,
     EndOnLine,
-    Event,
     OpenCommand,
     OpenRequest,
     QueryHeard,
@@ -36,7 +35,7 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, REPEAT_S, SignOnStanding, standing
-from tests.onboard.duty.stage import P5, holds
+from tests.onboard.duty.stage import P5, AuthorityCase, became, holds
 
 SIGN_ON, SIGN_OFF, REPORT = Timer("sign on"), Timer("sign off"), Timer("report")
 
@@ -70,7 +69,7 @@ REPORTED: Final[tuple[Action, ...]] = (
     *said(replace(GIVING_BACK, section_ids=HOLDING.held)),
     Write(notes.Reported(section_ids=HOLDING.held, token=0)),
 )
-CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] = {
+CASES: Final[dict[str, AuthorityCase]] = {
     "a train that stands somewhere counts that as held and says so": (
         OFF,
         BeginOnLine(("3",)),
@@ -118,11 +117,8 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         Authority(held=("PW",), on_line=True),
         (StopTimer(SIGN_ON), Take(("PW",)), Write(notes.SignedOn(section_ids=("PW",))), holds("PW")),
     ),
-    "an acceptance of another sign-on is none": (
-        SIGNING_ON,
-        SignOnHeard(("3", "5"), ("5",), answers=False, newer=True),
-        SIGNING_ON,
-        (),
+    "an acceptance of another sign-on is none": became(
+        SIGNING_ON, SignOnHeard(("3", "5"), ("5",), answers=False, newer=True)
     ),
     "an answer to a claim brings a newer token and capabilities, never sections": (
         replace(HOLDING, commandable=()),
@@ -130,10 +126,9 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(HOLDING, requests=(GIVING_BACK,)),
         (Take(()), *REPORTED),
     ),
-    "with a newer token what is open is asked anew": (
+    "with a newer token what is open is asked anew": became(
         replace(HOLDING, requests=(ASKED,)),
         SignOnHeard(("3", "5", "6"), ("5",), answers=False, newer=True),
-        replace(HOLDING, requests=(ASKED,)),
         (Take(()), Renew(RequestKind.ROUTE), *said(ASKED)),
     ),
     "and points, which may have been another's, are not proven any more": (
@@ -142,10 +137,9 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         HOLDING,
         (Take(()),),
     ),
-    "points under way are commanded anew under it": (
+    "points under way are commanded anew under it": became(
         replace(HOLDING, commands=(OpenCommand(P5, sent=True),)),
         SignOnHeard(("3", "5", "6"), ("5",), answers=False, newer=True),
-        replace(HOLDING, commands=(OpenCommand(P5, sent=True),)),
         (Take(()), Commit(P5), SendCommand(P5), SetTimer(Timer("points", "P5"), REPEAT_S)),
     ),
     "without a capability they are not commanded any more": (
@@ -154,23 +148,18 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         replace(HOLDING, commandable=()),
         (Take(()), StopTimer(Timer("points", "P5"))),
     ),
-    "an answer to a claim that is not newer says nothing": (
-        HOLDING,
-        SignOnHeard(("3", "5", "6"), (), answers=False, newer=False),
-        HOLDING,
-        (),
+    "an answer to a claim that is not newer says nothing": became(
+        HOLDING, SignOnHeard(("3", "5", "6"), (), answers=False, newer=False)
     ),
-    "an answer to a claim says what of it must be swept, and no more": (
+    "an answer to a claim says what of it must be swept, and no more": became(
         replace(HOLDING, unswept=("3",)),
         SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False, on_sight=("6", "7")),
-        replace(HOLDING, unswept=("6",), requests=(GIVING_BACK,)),
         REPORTED,
+        unswept=("6",),
+        requests=(GIVING_BACK,),
     ),
-    "an answer to a claim that has more says nothing while a route is asked for": (
-        replace(HOLDING, requests=(ASKED,)),
-        SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False),
-        replace(HOLDING, requests=(ASKED,)),
-        (),
+    "an answer to a claim that has more says nothing while a route is asked for": became(
+        replace(HOLDING, requests=(ASKED,)), SignOnHeard(("3", "5", "6", "7"), (), answers=False, newer=False)
     ),
     "but gives back what is not the whole of that route": (
         Authority(held=("3",), on_line=True, requests=(ASKED,)),
@@ -200,29 +189,22 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SIGNING_ON,
         (Renew(RequestKind.SIGN_ON), holds("3"), *said(CLAIMING)),
     ),
-    "signing off, too, a newer token is taken": (
+    "signing off, too, a newer token is taken": became(
         SIGNING_OFF,
         SignOnHeard(("PE",), (), answers=False, newer=True),
-        SIGNING_OFF,
         (Take(()), Renew(RequestKind.SIGN_OFF), *said(LEAVING)),
     ),
-    "refused, it asks again later": (
+    "refused, it asks again later": became(
         WISHING,
         RefusalHeard(RequestKind.SIGN_ON, "", "held: section PW of V2", lost_sight=False, answers=True),
-        replace(WISHING, requests=(replace(WISHING.requests[0], refusal="held: section PW of V2"),)),
         (SetTimer(SIGN_ON, REFUSED_REPEAT_S), Write(notes.SignOnDenied(why="held: section PW of V2"))),
+        requests=(replace(WISHING.requests[0], refusal="held: section PW of V2"),),
     ),
-    "a refusal of an older sign-on is none": (
-        WISHING,
-        RefusalHeard(RequestKind.SIGN_ON, "", "held", lost_sight=False, answers=False),
-        WISHING,
-        (),
+    "a refusal of an older sign-on is none": became(
+        WISHING, RefusalHeard(RequestKind.SIGN_ON, "", "held", lost_sight=False, answers=False)
     ),
-    "signing on, a refusal of a route is none": (
-        SIGNING_ON,
-        RefusalHeard(RequestKind.ROUTE, "3>8", "held", lost_sight=False, answers=True),
-        SIGNING_ON,
-        (),
+    "signing on, a refusal of a route is none": became(
+        SIGNING_ON, RefusalHeard(RequestKind.ROUTE, "3>8", "held", lost_sight=False, answers=True)
     ),
     "it signs off with its last section": (
         ON_LINE,
@@ -231,19 +213,15 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         (Renew(RequestKind.SIGN_OFF), *said(LEAVING)),
     ),
     "it does not sign off with more": (HOLDING, EndOnLine(), HOLDING, ()),
-    "a sign-off refused is said again later": (
+    "a sign-off refused is said again later": became(
         SIGNING_OFF,
         RefusalHeard(RequestKind.SIGN_OFF, "", "UNDEFINED", lost_sight=False, answers=True),
-        replace(SIGNING_OFF, requests=(replace(LEAVING, refusal="UNDEFINED"),)),
         (SetTimer(SIGN_OFF, REFUSED_REPEAT_S), Write(notes.SignOffDenied(why="UNDEFINED"))),
+        requests=(replace(LEAVING, refusal="UNDEFINED"),),
     ),
-    "a manager that lost sight of who signs off gets a report first": (
+    "a manager that lost sight of who signs off gets a report first": became(
         SIGNING_OFF,
         RefusalHeard(RequestKind.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=True),
-        replace(
-            SIGNING_OFF,
-            requests=(replace(LEAVING, refusal="STALE_TOKEN"), OpenRequest(RequestKind.REPORT, sent=True)),
-        ),
         (
             SetTimer(SIGN_OFF, REFUSED_REPEAT_S),
             Renew(RequestKind.REPORT),
@@ -252,12 +230,10 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
             SetTimer(REPORT, REPEAT_S),
             Write(notes.Reported(section_ids=("PE",), token=0)),
         ),
+        requests=(replace(LEAVING, refusal="STALE_TOKEN"), OpenRequest(RequestKind.REPORT, sent=True)),
     ),
-    "a refusal of another sign-off is none": (
-        SIGNING_OFF,
-        RefusalHeard(RequestKind.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=False),
-        SIGNING_OFF,
-        (),
+    "a refusal of another sign-off is none": became(
+        SIGNING_OFF, RefusalHeard(RequestKind.SIGN_OFF, "", "STALE_TOKEN", lost_sight=True, answers=False)
     ),
     "signed off it holds its portal": (
         SIGNING_OFF,
@@ -265,11 +241,8 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
         SIGNED_OFF,
         (StopTimer(SIGN_OFF), Write(notes.SignedOff())),
     ),
-    "asked while its train may still stand there, it claims it": (
-        SIGNED_OFF,
-        QueryHeard(),
-        SIGNED_OFF,
-        (SendClaim(("PE",), leaving=True), claimed("PE")),
+    "asked while its train may still stand there, it claims it": became(
+        SIGNED_OFF, QueryHeard(), (SendClaim(("PE",), leaving=True), claimed("PE"))
     ),
     "off the line it holds nothing": (SIGNED_OFF, TakenOff(), OFF, (holds(),)),
     "booted off the line, it is told so": (replace(OFF, unsure=True), TakenOff(), OFF, (holds(),)),
@@ -287,43 +260,25 @@ CASES: Final[dict[str, tuple[Authority, Event, Authority, tuple[Action, ...]]]] 
     ),
     "an acceptance of another sign-off is none": (SIGNING_OFF, SignOffHeard(answers=False), SIGNING_OFF, ()),
     "asked off the line, it claims nothing": (OFF, QueryHeard(), OFF, (SendClaim(()), claimed())),
-    "spoken to as an earlier boot off the line, it says that it holds nothing": (
-        OFF,
-        EarlierBootCalled(),
-        OFF,
-        (SendClaim(()), claimed()),
+    "spoken to as an earlier boot off the line, it says that it holds nothing": became(
+        OFF, EarlierBootCalled(), (SendClaim(()), claimed())
     ),
     "but not before it has been told that it is off the line": (BOOTED, EarlierBootCalled(), BOOTED, ()),
-    "asked after a boot, before its crew has entered a train number, it does not know": (
-        BOOTED,
-        QueryHeard(),
-        BOOTED,
-        (SendClaim(None),),
+    "asked after a boot, before its crew has entered a train number, it does not know": became(
+        BOOTED, QueryHeard(), (SendClaim(None),)
     ),
-    "asked while it waits to enter, it claims nothing": (
-        WISHING,
-        QueryHeard(),
-        WISHING,
-        (SendClaim(()), claimed()),
+    "asked while it waits to enter, it claims nothing": became(
+        WISHING, QueryHeard(), (SendClaim(()), claimed())
     ),
-    "asked while it signs on, it claims where it stands": (
-        SIGNING_ON,
-        QueryHeard(),
-        SIGNING_ON,
-        (SendClaim(("3",)), claimed("3")),
+    "asked while it signs on, it claims where it stands": became(
+        SIGNING_ON, QueryHeard(), (SendClaim(("3",)), claimed("3"))
     ),
     "asked when it does not know, it says so": (IGNORANT, QueryHeard(), IGNORANT, (SendClaim(None),)),
-    "asked on the line, it claims all that it holds": (
-        HOLDING,
-        QueryHeard(),
-        HOLDING,
-        (SendClaim(("3", "5", "6")), claimed("3", "5", "6")),
+    "asked on the line, it claims all that it holds": became(
+        HOLDING, QueryHeard(), (SendClaim(("3", "5", "6")), claimed("3", "5", "6"))
     ),
-    "asked while it signs off, it claims its portal": (
-        SIGNING_OFF,
-        QueryHeard(),
-        SIGNING_OFF,
-        (SendClaim(("PE",)), claimed("PE")),
+    "asked while it signs off, it claims its portal": became(
+        SIGNING_OFF, QueryHeard(), (SendClaim(("PE",)), claimed("PE"))
     ),
     "turned back off the line": (OFF, TurnedBack(), OFF, ()),
     "turned back while signing on": (SIGNING_ON, TurnedBack(), SIGNING_ON, ()),

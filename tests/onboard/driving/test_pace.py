@@ -6,7 +6,6 @@ from collections.abc import Callable
 import msgspec
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from onboard.driving.laws.cue import PLAN_NONE
 from onboard.driving.laws.settings import fit_law
@@ -16,16 +15,17 @@ from onboard.mission import Mission
 from onboard.motion import UnitMotion
 from onboard.records import EVENT_OFF_PLAN, EVENT_TAG_OVERDUE, MODE_DRIVE, PathData
 from onboard.unit_records import UnitParameters
+from tests.rows import Rows
 
-Rows = NDArray[np.void]
 DEPART = DrivingCommand(
     drive=True, target=1, limit=StopLimit(5, None, "end of the path"), rear=0, orders=(DrivingOrder.DEPART,)
 )
 ON = msgspec.structs.replace(DEPART, orders=())
+Made = Callable[[str], UnitMotion]  # by the name of its law
 
 
 @pytest.fixture
-def made(at_start: Callable[..., UnitMotion]) -> Callable[[str], UnitMotion]:
+def made(at_start: Callable[..., UnitMotion]) -> Made:
     def make(law: str) -> UnitMotion:
         laws = np.zeros(1, dtype=LAWS_ROW).view(np.recarray)[0]
         fit_law(laws, law)
@@ -43,9 +43,7 @@ def departed(motion: UnitMotion, mission: Mission) -> float:
     return now_s
 
 
-def test_a_law_that_follows_a_plan_has_one_from_its_departure(
-    made: Callable[[str], UnitMotion], mission: Mission
-) -> None:
+def test_a_law_that_follows_a_plan_has_one_from_its_departure(made: Made, mission: Mission) -> None:
     motion = made("optimal")
     now_s = departed(motion, mission)
     laid = motion.taken_plan()
@@ -56,9 +54,7 @@ def test_a_law_that_follows_a_plan_has_one_from_its_departure(
     assert motion.taken_plan() is None
 
 
-def test_off_its_plan_it_plans_anew_for_the_time_that_is_left(
-    made: Callable[[str], UnitMotion], mission: Mission
-) -> None:
+def test_off_its_plan_it_plans_anew_for_the_time_that_is_left(made: Made, mission: Mission) -> None:
     motion = made("optimal")
     now_s = departed(motion, mission)
     motion.taken_plan()
@@ -74,9 +70,7 @@ def test_off_its_plan_it_plans_anew_for_the_time_that_is_left(
     assert laid.rows["speed_mps"][int(motion.row.position_m) + 1] == pytest.approx(8.0, abs=0.5)
 
 
-def test_too_late_it_plans_for_little_more_than_the_least_time(
-    made: Callable[[str], UnitMotion], mission: Mission
-) -> None:
+def test_too_late_it_plans_for_little_more_than_the_least_time(made: Made, mission: Mission) -> None:
     motion = made("optimal")
     due_s = mission.targets[1].arrival_s
     assert due_s is not None
@@ -89,7 +83,7 @@ def test_too_late_it_plans_for_little_more_than_the_least_time(
     assert fast.takes_s == pytest.approx(faster.takes_s)
 
 
-def test_a_law_without_plans_has_none(made: Callable[[str], UnitMotion], mission: Mission) -> None:
+def test_a_law_without_plans_has_none(made: Made, mission: Mission) -> None:
     motion = made("hold_speed")
     departed(motion, mission)
     assert motion.taken_plan() is None
@@ -97,9 +91,7 @@ def test_a_law_without_plans_has_none(made: Callable[[str], UnitMotion], mission
     assert math.isfinite(motion.row.cruise_mps)
 
 
-def test_a_train_that_would_stall_has_no_plan_and_tries_all_the_same(
-    made: Callable[[str], UnitMotion], mission: Mission
-) -> None:
+def test_a_train_that_would_stall_has_no_plan_and_tries_all_the_same(made: Made, mission: Mission) -> None:
     """The way is steeper than its motors are strong: there is no profile to its stop."""
     motion = made("optimal")
     motion._pace.climb_m = np.arange(motion._pace.climb_m.size) * 0.15
@@ -109,9 +101,7 @@ def test_a_train_that_would_stall_has_no_plan_and_tries_all_the_same(
     assert motion.row.mode == MODE_DRIVE
 
 
-def test_on_sight_and_without_a_position_there_is_no_plan(
-    made: Callable[[str], UnitMotion], mission: Mission
-) -> None:
+def test_on_sight_and_without_a_position_there_is_no_plan(made: Made, mission: Mission) -> None:
     """The plan was for a train that knows where it is; standing on a coast of it, it would never leave."""
     motion = made("optimal")
     now_s = departed(motion, mission)
@@ -128,9 +118,7 @@ def test_on_sight_and_without_a_position_there_is_no_plan(
     assert motion.taken_plan() is None
 
 
-def test_under_a_restricted_speed_it_holds_a_speed(
-    made: Callable[[str], UnitMotion], mission: Mission
-) -> None:
+def test_under_a_restricted_speed_it_holds_a_speed(made: Made, mission: Mission) -> None:
     motion = made("optimal")
     due_s = mission.targets[1].arrival_s
     assert due_s is not None

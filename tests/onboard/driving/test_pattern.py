@@ -5,13 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from numpy.typing import NDArray
 
 from onboard.driving.pattern import braking_curve, limit_for_length, mean_over_length, pattern_of
 from onboard.records import BehaviourRow
+from tests.rows import Rows
 from vehicle.records import TrainRow
-
-Rows = NDArray[np.void]
 
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
 

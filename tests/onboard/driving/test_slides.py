@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from onboard.driving.pattern import pattern_of
 from onboard.driving.slides import bound_slid_speed, gains_back_mps2
@@ -17,10 +16,10 @@ from onboard.unit_records import UnitParameters
 from papers.single_train import new_track, prepared_row
 from simulation.sensors.slide_protection import rolls_at
 from simulation.world.kernel import step_one
+from tests.rows import Rows
 from vehicle.records import TrainRow
 from vehicle.train_file import load_train, shipped_train
 
-Rows = NDArray[np.void]
 TRACK_M = 4000
 LEAST = Driving().least_adhesion
 BLIND_MPS = (

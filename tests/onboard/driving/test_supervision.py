@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from onboard.driving.ahead import kept_along_mps, limit_mps
 from onboard.driving.pattern import lowered_by, lowered_mps, pattern_of
@@ -21,9 +20,8 @@ from onboard.records import (
     UnitRow,
 )
 from tests.nightly import A_FIFTH
+from tests.rows import Rows
 from vehicle.records import TrainRow
-
-Rows = NDArray[np.void]
 
 GRAVITY_SHARE_MPS2 = 9.81 / 1.08
 STEP_S = 0.1

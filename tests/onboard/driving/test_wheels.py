@@ -4,14 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from onboard.driving.ahead import limit_mps
 from onboard.driving.supervision import supervise
 from onboard.records import NO_INTERVENTION, SERVICE_INTERVENTION, BehaviourRow, UnitRow
+from tests.rows import Rows
 from vehicle.records import TrainRow
 
-Rows = NDArray[np.void]
 TRACK_M = 2500
 
 

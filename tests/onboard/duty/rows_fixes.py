@@ -34,6 +34,7 @@ from tests.onboard.duty.stage import (
     STANDING,
     STATES,
     Case,
+    changed,
     commanded,
     holds,
     moved,
@@ -62,20 +63,12 @@ FIXES: Final[dict[str, Case]] = {
         )
         for tag, index in (("the approach tag", APPROACH), ("the next tag", POSITION))
     },
-    "at the place of the arrival tag, by its estimate, nothing is proved and nothing given back": (
-        replace(FINISHED, authority=BEHIND, entered=frozenset({"7"})),
-        TagReached(ARRIVAL),
-        AT_B,
-        replace(FINISHED, authority=BEHIND, entered=frozenset({"7"})),
-        (),
+    "at the place of the arrival tag, by its estimate, nothing is proved and nothing given back": changed(
+        replace(FINISHED, authority=BEHIND, entered=frozenset({"7"})), TagReached(ARRIVAL), AT_B
     ),
     **{
-        f"at a place before the approach nothing is thrown: {at.value}": (
-            STATES[at],
-            TagReached(0),
-            STATES[at].place,
-            STATES[at],
-            (),
+        f"at a place before the approach nothing is thrown: {at.value}": changed(
+            STATES[at], TagReached(0), STATES[at].place
         )
         for at in ON_THE_LINE
         if at is not DutyPhase.FINISHED
@@ -93,47 +86,39 @@ FIXES: Final[dict[str, Case]] = {
             *commanded(P7),
         ),
     ),
-    "found where the register has it not: the position is given up, on sight": (
+    "found where the register has it not: the position is given up, on sight": changed(
         ELSEWHERE,
         FoundByOtherSensor(),
         UNTOLD,
-        replace(ELSEWHERE, place=moved(UNTOLD, known=False, emergency=True)),
         (Write(notes.PositionFound()), DrivingOrder.LOSE),
+        place=moved(UNTOLD, known=False, emergency=True),
     ),
-    "at a stop, its bounds reaching onto points not proven: the position is given up, its crew looks at them": (
+    "at a stop, its bounds reaching onto points not proven: the position is given up, its crew looks at them": changed(
         UPON_5,
         Looked(),
         moved(AT_A, perhaps=2),
-        replace(
-            UPON_5,
-            phase=DutyPhase.ON_SIGHT,
-            stands_at=0,
-            released=False,
-            place=moved(AT_A, perhaps=2, known=False, emergency=True),
-        ),
         (DrivingOrder.LOSE, RELEASE_LATER),
+        phase=DutyPhase.ON_SIGHT,
+        stands_at=0,
+        released=False,
+        place=moved(AT_A, perhaps=2, known=False, emergency=True),
     ),
-    "at its mark, unsure where it stands, it waits for the driver's word": (
+    "at its mark, unsure where it stands, it waits for the driver's word": changed(
         replace(FINISHED, phase=DutyPhase.STANDING, may_leave=False),
         FoundByOtherSensor(),
         moved(AT_B, unsure=True),
-        replace(FINISHED, phase=DutyPhase.STANDING, may_leave=False, place=moved(AT_B, unsure=True)),
         (Write(notes.PositionFound()),),
     ),
-    "and with it has arrived": (
+    "and with it has arrived": changed(
         replace(FINISHED, phase=DutyPhase.STANDING, place=moved(AT_B, unsure=True), authority=BEHIND),
         AtMark(1, beyond_m=10.0),
         AT_B,
-        replace(FINISHED, phase=DutyPhase.STANDING, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
         (Renew(RequestKind.REPORT), holds("8"), *reported("8")),
+        authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
     ),
     **{
-        f"found: {at.value}": (
-            STATES[at],
-            FoundByOtherSensor(),
-            STATES[at].place,
-            STATES[at],
-            (Write(notes.PositionFound()),),
+        f"found: {at.value}": changed(
+            STATES[at], FoundByOtherSensor(), STATES[at].place, (Write(notes.PositionFound()),)
         )
         for at in ON_THE_LINE
         if at not in (DutyPhase.STANDING, DutyPhase.ON_SIGHT)

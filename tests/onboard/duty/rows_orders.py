@@ -43,6 +43,7 @@ from tests.onboard.duty.stage import (
     STANDING,
     STATES,
     Case,
+    changed,
     holds,
     limit,
     moved,
@@ -85,41 +86,27 @@ ORDERS: Final[dict[str, Case]] = {
         ORDERED,
         (WayOrdered("3>8", "3>9"),),
     ),
-    "another track, to a request that was answered before": (
-        ASKS,
-        TrackChangeOrdered("3>8", "3>9", answers=False),
-        AT_A,
-        ASKS,
-        (),
+    "another track, to a request that was answered before": changed(
+        ASKS, TrackChangeOrdered("3>8", "3>9", answers=False), AT_A
     ),
-    "another track for a route that is held by now": (
-        HOLDS_ROUTE,
-        TrackChangeOrdered("3>8", "3>9", answers=True),
-        NOT_READY,
-        replace(HOLDS_ROUTE, place=NOT_READY),
-        (),
+    "another track for a route that is held by now": changed(
+        HOLDS_ROUTE, TrackChangeOrdered("3>8", "3>9", answers=True), NOT_READY
     ),
     "a grant of the way that its driver is giving up": (ORDERED, TelegramHeard(GRANT), AT_A, ORDERED, ()),
     "a grant to who is ending its train": (ENDS, TelegramHeard(GRANT), AT_A, ENDS, ()),
-    "a second order, before its driver has spoken": (
-        ORDERED,
-        TrackChangeOrdered("3>8", "3>10", answers=True),
-        AT_A,
-        ORDERED,
-        (),
+    "a second order, before its driver has spoken": changed(
+        ORDERED, TrackChangeOrdered("3>8", "3>10", answers=True), AT_A
     ),
-    "a route of which it has a part, which its driver is giving up": (
+    "a route of which it has a part, which its driver is giving up": changed(
         HAS_A_PART,
         TakeBackOrdered("3>8", newest=True, hold_s=30.0),
         AT_A,
-        HAS_A_PART,
         refused(OrderRefusalReason.NOT_HELD),
     ),
-    "no other track once the front may have left": (
+    "no other track once the front may have left": changed(
         ASKS,
         TrackChangeOrdered("3>8", "3>9", answers=True),
         moved(AT_A, perhaps=2),
-        replace(ASKS, place=moved(AT_A, perhaps=2)),
         refused(OrderRefusalReason.MAY_HAVE_ENTERED),
     ),
     "the driver has taken up the way ordered: its old request counts no more": (
@@ -143,25 +130,16 @@ ORDERS: Final[dict[str, Case]] = {
         ENDS,
         (TrainEndsHere("T2"),),
     ),
-    "to end its train, to a request that was answered before": (
-        ASKS,
-        TrainEndOrdered("3>8", "T2", answers=False),
-        AT_A,
-        ASKS,
-        (),
+    "to end its train, to a request that was answered before": changed(
+        ASKS, TrainEndOrdered("3>8", "T2", answers=False), AT_A
     ),
-    "no train is ended that holds its route by now": (
-        HOLDS_ROUTE,
-        TrainEndOrdered("3>8", "T2", answers=True),
-        NOT_READY,
-        replace(HOLDS_ROUTE, place=NOT_READY),
-        (),
+    "no train is ended that holds its route by now": changed(
+        HOLDS_ROUTE, TrainEndOrdered("3>8", "T2", answers=True), NOT_READY
     ),
-    "none whose front may have left": (
+    "none whose front may have left": changed(
         ASKS,
         TrainEndOrdered("3>8", "T2", answers=True),
         moved(AT_A, perhaps=2),
-        replace(ASKS, place=moved(AT_A, perhaps=2)),
         refused(OrderRefusalReason.MAY_HAVE_ENTERED),
     ),
     "its set has no such train": (ENDS, NoSuchWay(), AT_A, ASKS, refused(OrderRefusalReason.UNKNOWN_TRAIN)),
@@ -188,41 +166,31 @@ ORDERS: Final[dict[str, Case]] = {
             limit(1, "5", "not held"),
         ),
     ),
-    "a route granted anew is not taken back by an old order": (
+    "a route granted anew is not taken back by an old order": changed(
         HOLDS_ROUTE,
         TakeBackOrdered("3>8", newest=False, hold_s=30.0),
         NOT_READY,
-        replace(HOLDS_ROUTE, place=NOT_READY),
         refused(OrderRefusalReason.NOT_HELD),
     ),
-    "one that it has not is not taken back": (
-        ASKS,
-        TakeBackOrdered("3>8", newest=True, hold_s=30.0),
-        AT_A,
-        ASKS,
-        refused(OrderRefusalReason.NOT_HELD),
+    "one that it has not is not taken back": changed(
+        ASKS, TakeBackOrdered("3>8", newest=True, hold_s=30.0), AT_A, refused(OrderRefusalReason.NOT_HELD)
     ),
-    "another's is not taken back": (
+    "another's is not taken back": changed(
         HOLDS_ROUTE,
         TakeBackOrdered("3>9", newest=True, hold_s=30.0),
         NOT_READY,
-        replace(HOLDS_ROUTE, place=NOT_READY),
         refused(OrderRefusalReason.NOT_HELD, "3>9"),
     ),
-    "none is taken back that the front may have entered": (
+    "none is taken back that the front may have entered": changed(
         replace(HOLDS_ROUTE, may_leave=False),
         TakeBackOrdered("3>8", newest=True, hold_s=30.0),
         moved(AT_A, perhaps=2),
-        replace(HOLDS_ROUTE, may_leave=False, place=moved(AT_A, perhaps=2), wanted=()),
         refused(OrderRefusalReason.MAY_HAVE_ENTERED),
+        wanted=(),
     ),
     **{
-        f"{what}: {at.value}": (
-            STATES[at],
-            order,
-            STATES[at].place,
-            STATES[at],
-            refused(OrderRefusalReason.NOT_AT_A_STOP),
+        f"{what}: {at.value}": changed(
+            STATES[at], order, STATES[at].place, refused(OrderRefusalReason.NOT_AT_A_STOP)
         )
         for what, order in (
             ("no other track", TrackChangeOrdered("3>8", "3>9", answers=True)),

@@ -75,6 +75,7 @@ from tests.onboard.duty.stage import (
     TO_THE_END,
     UNTIL_DEPARTURE,
     Case,
+    changed,
     commanded,
     holds,
     limit,
@@ -91,12 +92,12 @@ PAST_P7: Final = replace(HOLDS_ON_6, proven=(P7,))
 HOLDS_7_8: Final = Authority(held=("7", "8"), on_line=True)
 
 PEOPLE: Final[dict[str, Case]] = {
-    "on sight at the end of what it holds, it asks for the way that leads on": (
+    "on sight at the end of what it holds, it asks for the way that leads on": changed(
         replace(ON_SIGHT, authority=HOLDS_3, limit=BEFORE_5),
         EndOfHeld(0),
         LOST,
-        replace(ON_SIGHT, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)), limit=BEFORE_5),
         (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
+        authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
     ),
     "stock that comes onto the line signs on": (
         OFF,
@@ -212,32 +213,14 @@ PEOPLE: Final[dict[str, Case]] = {
             limit(1, "5", "not held"),
         ),
     ),
-    "no route is set back that the front may have entered": (
+    "no route is set back that the front may have entered": changed(
         replace(STANDING, authority=HOLDS_ALL, limit=StopLimit(1, "5", "points not proven")),
         SetBack(60.0),
         moved(AT_A, perhaps=2),
-        replace(
-            STANDING,
-            place=moved(AT_A, perhaps=2),
-            authority=HOLDS_ALL,
-            limit=StopLimit(1, "5", "points not proven"),
-        ),
         (ENTERED,),
     ),
-    "none while it rolls": (
-        STANDING,
-        SetBack(60.0),
-        moved(AT_A, stands=False),
-        replace(STANDING, place=moved(AT_A, stands=False)),
-        (DENIED,),
-    ),
-    "none without a position": (
-        STANDING,
-        SetBack(60.0),
-        PlaceInJoints(),
-        replace(STANDING, place=PlaceInJoints()),
-        (DENIED,),
-    ),
+    "none while it rolls": changed(STANDING, SetBack(60.0), moved(AT_A, stands=False), (DENIED,)),
+    "none without a position": changed(STANDING, SetBack(60.0), PlaceInJoints(), (DENIED,)),
     "set back at a halt on open line: the route beyond it, and asked for again after the hold": (
         replace(RUNNING, place=HALT, authority=replace(HOLDS_ON_6, commands=(P7_OPEN,)), wanted=(P7,)),
         SetBack(60.0),
@@ -259,18 +242,10 @@ PEOPLE: Final[dict[str, Case]] = {
             limit(3, "7", "not held"),
         ),
     ),
-    "at a halt no section is set back that the front may have entered": (
+    "at a halt no section is set back that the front may have entered": changed(
         replace(RUNNING, place=moved(HALT, perhaps=4), authority=PAST_P7, limit=TO_THE_END, entered=BOTH),
         SetBack(60.0),
         moved(HALT, perhaps=4),
-        replace(
-            RUNNING,
-            place=moved(HALT, perhaps=4),
-            authority=replace(PAST_P7, held=("5", "6", "7"), requests=(REPORT_OPEN,)),
-            limit=StopLimit(4, "8", "not held"),
-            entered=BOTH,
-            may_ask=False,
-        ),
         (
             SetTimer(ASK, 60.0),
             Write(notes.GaveBack(section_ids=("8",))),
@@ -279,52 +254,38 @@ PEOPLE: Final[dict[str, Case]] = {
             *reported("5", "6", "7"),
             limit(4, "8", "not held"),
         ),
+        authority=replace(PAST_P7, held=("5", "6", "7"), requests=(REPORT_OPEN,)),
+        limit=StopLimit(4, "8", "not held"),
+        may_ask=False,
     ),
     **{
-        f"none but at a stand: {at.value}": (
-            STATES[at],
-            SetBack(60.0),
-            STATES[at].place,
-            STATES[at],
-            (DENIED,),
-        )
+        f"none but at a stand: {at.value}": changed(STATES[at], SetBack(60.0), STATES[at].place, (DENIED,))
         for at in ON_THE_LINE
         if at is not DutyPhase.STANDING
     },
     **{
-        f"asked, the driver sees the whole train at its mark: {at.value}": (
+        f"asked, the driver sees the whole train at its mark: {at.value}": changed(
             replace(STATES[at], at=1, place=AT_B, authority=HOLDS_7_8, entered=BOTH),
             AtMark(1),
             AT_B,
-            replace(
-                STATES[at],
-                at=1,
-                place=AT_B,
-                authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
-                limit=TO_THE_END,
-                entered=BOTH,
-            ),
             (
                 Renew(RequestKind.REPORT),
                 holds("8"),
                 *reported("8"),
                 *([] if at is not DutyPhase.STANDING else [limit(5, None, "end of the path")]),
             ),
+            authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
+            limit=TO_THE_END,
         )
         for at in (DutyPhase.STANDING, DutyPhase.FINISHED)
     },
-    "of another mark than that where it stands his word frees nothing": (
-        replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
-        AtMark(0),
-        AT_B,
-        replace(FINISHED, authority=HOLDS_7_8, entered=BOTH),
-        (),
+    "of another mark than that where it stands his word frees nothing": changed(
+        replace(FINISHED, authority=HOLDS_7_8, entered=BOTH), AtMark(0), AT_B
     ),
-    "seen at its mark, a train that leaves signs off once nothing but the portal is held": (
+    "seen at its mark, a train that leaves signs off once nothing but the portal is held": changed(
         replace(SIGNING_OFF, authority=HOLDS_7_8),
         AtMark(1),
         AT_B,
-        replace(SIGNING_OFF, authority=replace(HOLDS_8, requests=(REPORT_OPEN, SIGN_OFF_OPEN))),
         (
             Renew(RequestKind.REPORT),
             holds("8"),
@@ -332,6 +293,7 @@ PEOPLE: Final[dict[str, Case]] = {
             Renew(RequestKind.SIGN_OFF),
             *sent(SIGN_OFF_OPEN),
         ),
+        authority=replace(HOLDS_8, requests=(REPORT_OPEN, SIGN_OFF_OPEN)),
     ),
     "off the line, told after its boot, it holds nothing": (
         DutyState(authority=Authority(unsure=True)),
@@ -349,60 +311,41 @@ PEOPLE: Final[dict[str, Case]] = {
         (),
     ),
     **{
-        f"asked, the driver sees the train short of its mark: it goes on on sight: {at.value}": (
+        f"asked, the driver sees the train short of its mark: it goes on on sight: {at.value}": changed(
             replace(STATES[at], at=1, place=AT_B, authority=HOLDS_7_8, limit=TO_THE_END),
             NotAtMark(),
             AT_B,
-            replace(
-                STATES[at],
-                phase=DutyPhase.ON_SIGHT,
-                at=0,
-                place=moved(AT_B, known=False, emergency=True),
-                authority=HOLDS_7_8,
-                limit=TO_THE_END,
-                may_leave=True,
-                released=False,
-            ),
             (DrivingOrder.LOSE, RELEASE_LATER),
+            phase=DutyPhase.ON_SIGHT,
+            at=0,
+            place=moved(AT_B, known=False, emergency=True),
+            may_leave=True,
+            released=False,
         )
         for at in (DutyPhase.STANDING, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
     },
-    "the manager has been asked already whether it may leave: it goes nowhere": (
-        SIGNING_OFF,
-        NotAtMark(),
-        AT_B,
-        SIGNING_OFF,
-        (),
+    "the manager has been asked already whether it may leave: it goes nowhere": changed(
+        SIGNING_OFF, NotAtMark(), AT_B
     ),
-    "the crew sees points lie as needed": (
+    "the crew sees points lie as needed": changed(
         ON_SIGHT,
         PointsSeen(P7),
         LOST,
-        replace(ON_SIGHT, authority=replace(HOLDS_REST, proven=(P7,))),
         (Write(notes.Proven(points_id="P7", position=Position.NORMAL, token=0, by_crew=True)),),
+        authority=replace(HOLDS_REST, proven=(P7,)),
     ),
-    "the crew sees points lie otherwise, and has them thrown": (
+    "the crew sees points lie otherwise, and has them thrown": changed(
         ON_SIGHT,
         PointsWrong(P7),
         LOST,
-        replace(ON_SIGHT, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),))),
         (Commit(P7), *commanded(P7)),
+        authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
     ),
     "points that it does not hold are not thrown": (ON_SIGHT, PointsWrong(P5), LOST, ON_SIGHT, ()),
-    "brought to the last mark by its driver: what is surely behind is given back": (
+    "brought to the last mark by its driver: what is surely behind is given back": changed(
         ON_SIGHT,
         AtMark(1),
         PlaceInJoints(),
-        replace(
-            ON_SIGHT,
-            phase=DutyPhase.FINISHED,
-            place=PlaceInJoints(),
-            authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
-            at=1,
-            stands_at=1,
-            may_ask=True,
-            may_leave=False,
-        ),
         (
             SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=None)),
@@ -411,21 +354,17 @@ PEOPLE: Final[dict[str, Case]] = {
             *reported("8"),
             Finished("T1"),
         ),
+        phase=DutyPhase.FINISHED,
+        authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
+        at=1,
+        stands_at=1,
+        may_ask=True,
+        may_leave=False,
     ),
-    "at its mark by the driver's eye, though it believes to be short of it: on sight from there": (
+    "at its mark by the driver's eye, though it believes to be short of it: on sight from there": changed(
         RUNNING,
         AtMark(1),
         moved(ON_6, stands=True),
-        replace(
-            RUNNING,
-            phase=DutyPhase.FINISHED,
-            place=moved(ON_6, stands=True, known=False, emergency=True),
-            authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
-            at=1,
-            stands_at=1,
-            may_leave=False,
-            released=False,
-        ),
         (
             DrivingOrder.LOSE,
             RELEASE_LATER,
@@ -436,5 +375,12 @@ PEOPLE: Final[dict[str, Case]] = {
             *reported("8"),
             Finished("T1"),
         ),
+        phase=DutyPhase.FINISHED,
+        place=moved(ON_6, stands=True, known=False, emergency=True),
+        authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
+        at=1,
+        stands_at=1,
+        may_leave=False,
+        released=False,
     ),
 }

@@ -59,6 +59,7 @@ from tests.onboard.duty.stage import (
     STATES,
     TO_THE_END,
     Case,
+    changed,
     commanded,
     holds,
     limit,
@@ -87,70 +88,47 @@ NOBODY_KNOWS: Final = Authority(requests=(replace(IGNORANT, refusal="claim neede
 
 SENSED: Final[dict[str, Case]] = {
     **{
-        what: (
+        what: changed(
             RUNNING,
             TagBelieved(tag, found=False),
             ON_6,
-            replace(
-                RUNNING,
-                authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
-                wanted=(P7,),
-                proved=2,
-            ),
             (Commit(P7), *commanded(P7)),
+            authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)),
+            wanted=(P7,),
+            proved=2,
         )
         for what, tag in (
             ("at the approach tag the arrival points are thrown", APPROACH),
             ("at the next tag, if the approach tag was missed", POSITION),
         )
     },
-    "at a tag before the approach nothing is thrown": (
-        RUNNING,
-        TagBelieved(3, found=False),
-        ON_6,
-        replace(RUNNING, proved=1),
-        (),
+    "at a tag before the approach nothing is thrown": changed(
+        RUNNING, TagBelieved(3, found=False), ON_6, proved=1
     ),
-    "nor beyond the arrival tag": (
-        FINISHED,
-        TagBelieved(8, found=False),
-        AT_B,
-        replace(FINISHED, proved=4, freed=4),
-        (),
+    "nor beyond the arrival tag": changed(FINISHED, TagBelieved(8, found=False), AT_B, proved=4, freed=4),
+    "a tag proves what is behind, but before the arrival tag nothing is given back": changed(
+        ARRIVING, TagBelieved(TAG_701, found=False), IN_8, proved=2
     ),
-    "a tag proves what is behind, but before the arrival tag nothing is given back": (
-        ARRIVING,
-        TagBelieved(TAG_701, found=False),
-        IN_8,
-        replace(ARRIVING, proved=2),
-        (),
-    ),
-    "at the arrival tag all that it proves to be behind is given back": (
+    "at the arrival tag all that it proves to be behind is given back": changed(
         ARRIVING,
         TagBelieved(ARRIVAL, found=False),
         IN_8,
-        replace(ARRIVING, proved=4, freed=4, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
         (Renew(RequestKind.REPORT), holds("8"), *reported("8")),
+        proved=4,
+        freed=4,
+        authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
     ),
-    "at the arrival tag, and the safe rear by the odometer not clear yet: only what it has left": (
+    "at the arrival tag, and the safe rear by the odometer not clear yet: only what it has left": changed(
         replace(ARRIVING, place=REAR_IN_7),
         TagBelieved(ARRIVAL, found=False),
         REAR_IN_7,
-        replace(
-            ARRIVING,
-            place=REAR_IN_7,
-            proved=4,
-            freed=4,
-            authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",), requests=(REPORT_OPEN,)),
-        ),
         (Renew(RequestKind.REPORT), holds("7", "8"), *reported("7", "8")),
+        proved=4,
+        freed=4,
+        authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",), requests=(REPORT_OPEN,)),
     ),
-    "a tag that tells the position late, the arrival tag missed: nothing before the mark": (
-        ARRIVING,
-        TagBelieved(ARRIVAL + 1, found=False),
-        IN_8,
-        replace(ARRIVING, proved=4),
-        (),
+    "a tag that tells the position late, the arrival tag missed: nothing before the mark": changed(
+        ARRIVING, TagBelieved(ARRIVAL + 1, found=False), IN_8, proved=4
     ),
     "a tag that tells the position ends running on sight": (
         ON_SIGHT,
@@ -171,48 +149,34 @@ SENSED: Final[dict[str, Case]] = {
             *commanded(P7),
         ),
     ),
-    "a tag tells the position of a unit that the manager does not know either: it claims where it may stand": (
+    "a tag tells the position of a unit that the manager does not know either: it claims where it may stand": changed(
         replace(ON_SIGHT, authority=NOBODY_KNOWS),
         TagBelieved(3, found=True),
         moved(ON_6, clear=1, perhaps=4),
-        replace(
-            ON_SIGHT,
-            place=moved(ON_6, clear=1, perhaps=4),
-            authority=Authority(held=("5", "6", "7"), requests=(CLAIMS,)),
-            proved=1,
-        ),
         (Write(notes.PositionFound()), Renew(RequestKind.SIGN_ON), holds("5", "6", "7"), *sent(CLAIMS)),
+        authority=Authority(held=("5", "6", "7"), requests=(CLAIMS,)),
+        proved=1,
     ),
-    "a tag tells the position before the manager has answered: it waits for what that has": (
+    "a tag tells the position before the manager has answered: it waits for what that has": changed(
         replace(ON_SIGHT, authority=replace(NOBODY_KNOWS, requests=(IGNORANT,))),
         TagBelieved(3, found=True),
         ON_6,
-        replace(ON_SIGHT, place=ON_6, authority=replace(NOBODY_KNOWS, requests=(IGNORANT,)), proved=1),
         (Write(notes.PositionFound()),),
+        proved=1,
     ),
     **{
-        f"a tag of the track: {at.value}": (
-            STATES[at],
-            TagBelieved(0, found=False),
-            STATES[at].place,
-            STATES[at],
-            (),
-        )
+        f"a tag of the track: {at.value}": changed(STATES[at], TagBelieved(0, found=False), STATES[at].place)
         for at in (DutyPhase.SIGNING_ON, DutyPhase.STANDING, DutyPhase.ON_SIGHT, DutyPhase.SIGNING_OFF)
     },
-    "position lost at a stop: it stands there, by its crew": (
+    "position lost at a stop: it stands there, by its crew": changed(
         STANDING,
         PositionLost(),
         PlaceInJoints(),
-        replace(
-            STANDING,
-            phase=DutyPhase.ON_SIGHT,
-            place=PlaceInJoints(),
-            authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
-            stands_at=0,
-            released=False,
-        ),
         (RELEASE_LATER, Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
+        phase=DutyPhase.ON_SIGHT,
+        authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
+        stands_at=0,
+        released=False,
     ),
     "position lost under way: on sight": (
         RUNNING,
@@ -222,12 +186,8 @@ SENSED: Final[dict[str, Case]] = {
         (),
     ),
     **{
-        f"position lost elsewhere: {at.value}": (
-            STATES[at],
-            PositionLost(),
-            PlaceInJoints(),
-            replace(STATES[at], place=PlaceInJoints(), released=False),
-            (RELEASE_LATER,),
+        f"position lost elsewhere: {at.value}": changed(
+            STATES[at], PositionLost(), PlaceInJoints(), (RELEASE_LATER,), released=False
         )
         for at in (DutyPhase.SIGNING_ON, DutyPhase.ON_SIGHT, DutyPhase.FINISHED, DutyPhase.SIGNING_OFF)
     },
@@ -248,68 +208,45 @@ SENSED: Final[dict[str, Case]] = {
         sent(ROUTE_OPEN),
     ),
     "the wheels turn": (RUNNING, WheelsTurning(), ON_6, RUNNING, (Write(notes.Moving()),)),
-    "stopped short of points, with all that it needs: it throws them": (
+    "stopped short of points, with all that it needs: it throws them": changed(
         replace(RUNNING, authority=HOLDS_PASSED),
         Stopped(MarkRelation.SHORT, -120.004),
         AT_STAND,
-        replace(
-            RUNNING,
-            place=AT_STAND,
-            authority=replace(HOLDS_PASSED, commands=(OpenCommand(P7, sent=True),)),
-            wanted=(P7,),
-        ),
         (Write(notes.StoppedShort(short_m=120.0, why="points not proven")), Commit(P7), *commanded(P7)),
+        authority=replace(HOLDS_PASSED, commands=(OpenCommand(P7, sent=True),)),
+        wanted=(P7,),
     ),
-    "stopped short, the route ahead given back: it asks for what it lacks": (
+    "stopped short, the route ahead given back: it asks for what it lacks": changed(
         replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER),
         Stopped(MarkRelation.SHORT, -120.004),
         AT_STAND,
-        replace(
-            RUNNING, place=AT_STAND, authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)), limit=NO_FURTHER
-        ),
         (
             Write(notes.StoppedShort(short_m=120.0, why="not held")),
             Renew(RequestKind.ROUTE),
             *sent(ROUTE_OPEN),
         ),
+        authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)),
     ),
-    "standing short of its mark it asks again when it may": (
+    "standing short of its mark it asks again when it may": changed(
         replace(RUNNING, authority=HOLDS_5_6, limit=NO_FURTHER, place=AT_STAND),
         Looked(),
         AT_STAND,
-        replace(
-            RUNNING, place=AT_STAND, authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)), limit=NO_FURTHER
-        ),
         (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
+        authority=replace(HOLDS_5_6, requests=(ROUTE_OPEN,)),
     ),
-    "standing where its bounds reach onto points not proven: the position is given up": (
+    "standing where its bounds reach onto points not proven: the position is given up": changed(
         replace(RUNNING, authority=HOLDS_PASSED),
         Stopped(MarkRelation.SHORT, -1.0),
         moved(AT_STAND, perhaps=4),
-        replace(
-            RUNNING,
-            phase=DutyPhase.ON_SIGHT,
-            place=moved(AT_STAND, perhaps=4, known=False, emergency=True),
-            authority=HOLDS_PASSED,
-            released=False,
-        ),
         (Write(notes.StoppedShort(short_m=1.0, why="points not proven")), DrivingOrder.LOSE, RELEASE_LATER),
+        phase=DutyPhase.ON_SIGHT,
+        place=moved(AT_STAND, perhaps=4, known=False, emergency=True),
+        released=False,
     ),
-    "arrived: what the tags read so far prove to be behind is given back": (
+    "arrived: what the tags read so far prove to be behind is given back": changed(
         replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), limit=TO_THE_END, proved=4),
         Stopped(MarkRelation.AT, 0.1234),
         AT_B,
-        replace(
-            RUNNING,
-            phase=DutyPhase.STANDING,
-            place=AT_B,
-            authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
-            at=1,
-            limit=TO_THE_END,
-            may_leave=False,
-            proved=4,
-            freed=4,
-        ),
         (
             SetTimer(LEAVE, 20.0),
             Write(notes.Arrived(station="B", error_m=0.123)),
@@ -317,24 +254,22 @@ SENSED: Final[dict[str, Case]] = {
             holds("8"),
             *reported("8"),
         ),
+        phase=DutyPhase.STANDING,
+        authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
+        at=1,
+        may_leave=False,
+        freed=4,
     ),
-    "arrived by the tachometer alone: nothing is given back before the driver has looked": (
+    "arrived by the tachometer alone: nothing is given back before the driver has looked": changed(
         replace(RUNNING, authority=HOLDS_PASSED, limit=TO_THE_END, entered=BOTH, proved=1),
         Stopped(MarkRelation.AT, 0.1234),
         AT_B,
-        replace(
-            RUNNING,
-            phase=DutyPhase.STANDING,
-            place=AT_B,
-            authority=replace(HOLDS_PASSED, requests=()),
-            at=1,
-            limit=TO_THE_END,
-            entered=BOTH,
-            may_leave=False,
-            proved=1,
-            freed=1,
-        ),
         (SetTimer(LEAVE, 20.0), Write(notes.Arrived(station="B", error_m=0.123))),
+        phase=DutyPhase.STANDING,
+        authority=replace(HOLDS_PASSED, requests=()),
+        at=1,
+        may_leave=False,
+        freed=1,
     ),
     "overran: no train sets back here, it has arrived": (
         replace(RUNNING, authority=HOLDS_8, limit=TO_THE_END),
@@ -349,64 +284,55 @@ SENSED: Final[dict[str, Case]] = {
         ),
     ),
     **{
-        f"an emergency stop waits for the driver: {at.value}": (
+        f"an emergency stop waits for the driver: {at.value}": changed(
             STATES[at],
             Stopped(MarkRelation.AT, 0.0),
             moved(STATES[at].place, stands=True, emergency=True),
-            replace(STATES[at], place=moved(STATES[at].place, stands=True, emergency=True), released=False),
             (RELEASE_LATER,),
+            released=False,
         )
         for at in ON_THE_LINE
         if at is not DutyPhase.RUNNING
     },
     **{
-        f"out of reach: what is open waits for its timer: {at.value}": (
-            STATES[at],
-            Looked(),
-            moved(STATES[at].place, covered=False),
-            replace(STATES[at], place=moved(STATES[at].place, covered=False)),
-            (),
+        f"out of reach: what is open waits for its timer: {at.value}": changed(
+            STATES[at], Looked(), moved(STATES[at].place, covered=False)
         )
         for at in ON_THE_LINE
     },
-    "a joint passed by the safe rear before the arrival tag: nothing is given back": (
-        replace(RUNNING, authority=HOLDS_PASSED, proved=2),
-        Looked(),
-        ON_6,
-        replace(RUNNING, authority=HOLDS_PASSED, proved=2),
-        (),
+    "a joint passed by the safe rear before the arrival tag: nothing is given back": changed(
+        replace(RUNNING, authority=HOLDS_PASSED, proved=2), Looked(), ON_6
     ),
-    "a joint passed by the safe rear after it: its section is given back": (
+    "a joint passed by the safe rear after it: its section is given back": changed(
         replace(
             ARRIVING, proved=4, freed=4, authority=replace(HOLDS_PASSED, held=("7", "8"), commandable=("7",))
         ),
         Looked(),
         IN_8,
-        replace(ARRIVING, proved=4, freed=4, authority=replace(HOLDS_8, requests=(REPORT_OPEN,))),
         (Renew(RequestKind.REPORT), holds("8"), *reported("8")),
+        authority=replace(HOLDS_8, requests=(REPORT_OPEN,)),
     ),
-    "what lies not on its path is given back": (
+    "what lies not on its path is given back": changed(
         replace(RUNNING, authority=replace(HOLDS_PASSED, held=("9", "5", "6", "7", "8"))),
         Looked(),
         ON_6,
-        replace(RUNNING, authority=replace(HOLDS_PASSED, requests=(REPORT_OPEN,))),
         (Renew(RequestKind.REPORT), holds("5", "6", "7", "8"), *reported("5", "6", "7", "8")),
+        authority=replace(HOLDS_PASSED, requests=(REPORT_OPEN,)),
     ),
-    "from a stand it goes on on sight through what must be swept": (
+    "from a stand it goes on on sight through what must be swept": changed(
         replace(STANDING, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_6_ON_SIGHT),
         Looked(),
         AT_A,
-        replace(STANDING, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_7, sweeps=True),
         (limit(3, "7", "points not proven"),),
+        limit=BEFORE_7,
+        sweeps=True,
     ),
-    "moving, it stops before what must be swept": (
+    "moving, it stops before what must be swept": changed(
         replace(RUNNING, place=RUNNING_ON_5, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_7),
         Looked(),
         RUNNING_ON_5,
-        replace(
-            RUNNING, place=RUNNING_ON_5, authority=replace(UNSWEPT, proven=(P5,)), limit=BEFORE_6_ON_SIGHT
-        ),
         (limit(2, "6", "to be passed on sight"),),
+        limit=BEFORE_6_ON_SIGHT,
     ),
     "it sweeps until none of it is held": (
         replace(ARRIVING, freed=4, proved=4, sweeps=True, authority=replace(HOLDS_PASSED, unswept=("6",))),

@@ -66,6 +66,7 @@ from tests.onboard.duty.stage import (
     STATES,
     TO_THE_END,
     Case,
+    changed,
     commanded,
     holds,
     limit,
@@ -88,20 +89,15 @@ def disagreed(*held: str, why: str = CONTESTED) -> tuple[Action, ...]:
 
 
 TOLD: Final[dict[str, Case]] = {
-    "a route may be asked for": (
+    "a route may be asked for": changed(
         STANDING,
         TimerDue(ASK),
         AT_A,
-        replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
         (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
+        may_ask=True,
+        authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
     ),
-    "the time has come, but not the way": (
-        STANDING,
-        TimerDue(LEAVE),
-        AT_A,
-        replace(STANDING, may_leave=True),
-        (),
-    ),
+    "the time has come, but not the way": changed(STANDING, TimerDue(LEAVE), AT_A, may_leave=True),
     "the time has come and the way is free": (
         replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
         TimerDue(LEAVE),
@@ -120,52 +116,34 @@ TOLD: Final[dict[str, Case]] = {
         for at in ON_THE_LINE
     },
     **{
-        f"an emergency stop is not acknowledged while the vehicle is not in order: {at.value}": (
+        f"an emergency stop is not acknowledged while the vehicle is not in order: {at.value}": changed(
             replace(STATES[at], released=False),
             TimerDue(RELEASE),
             moved(STATES[at].place, emergency=True, unfit="brake not in order"),
-            replace(
-                STATES[at],
-                place=moved(STATES[at].place, emergency=True, unfit="brake not in order"),
-                released=False,
-            ),
             (RELEASE_LATER,),
         )
         for at in ON_THE_LINE
     },
-    "ready in all but its driver's word that it is at its mark, it does not depart": (
+    "ready in all but its driver's word that it is at its mark, it does not depart": changed(
         replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
         TimerDue(LEAVE),
         moved(AT_A, unsure=True),
-        replace(
-            STANDING,
-            place=moved(AT_A, unsure=True),
-            authority=replace(HOLDS_ALL, proven=(P5,)),
-            limit=BEFORE_7,
-            may_leave=True,
-        ),
-        (),
+        may_leave=True,
     ),
-    "ready in all but its vehicle, it does not depart": (
+    "ready in all but its vehicle, it does not depart": changed(
         replace(STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7),
         TimerDue(LEAVE),
         moved(AT_A, unfit="doors not closed"),
-        replace(
-            STANDING,
-            place=moved(AT_A, unfit="doors not closed"),
-            authority=replace(HOLDS_ALL, proven=(P5,)),
-            limit=BEFORE_7,
-            may_leave=True,
-        ),
-        (),
+        may_leave=True,
     ),
     **{
-        f"not before register and unit agree: {at.value}": (
+        f"not before register and unit agree: {at.value}": changed(
             halted(STATES[at]),
             TimerDue(RELEASE),
             halted(STATES[at]).place,
-            replace(halted(STATES[at]), released=False, listens=at is DutyPhase.ON_SIGHT),
             (RELEASE_LATER,),
+            released=False,
+            listens=at is DutyPhase.ON_SIGHT,
         )
         for at in (DutyPhase.STANDING, DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
     },
@@ -203,22 +181,13 @@ TOLD: Final[dict[str, Case]] = {
             *reported(*HOLDS_REST.held),
         ),
     ),
-    "standing before points not proven it throws none while it is halted": (
+    "standing before points not proven it throws none while it is halted": changed(
         halted(replace(RUNNING, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held)))),
         TelegramHeard(ContestHeard(("7",))),
         moved(ON_6, stands=True, emergency=True),
-        replace(
-            halted(replace(RUNNING, authority=replace(HOLDS_REST, held=("5", *HOLDS_REST.held)))),
-            place=moved(ON_6, stands=True, emergency=True),
-        ),
-        (),
     ),
-    "contested twice, it is braked once": (
-        halted(RUNNING),
-        TelegramHeard(ContestHeard(("7",))),
-        halted(RUNNING).place,
-        halted(RUNNING),
-        (),
+    "contested twice, it is braked once": changed(
+        halted(RUNNING), TelegramHeard(ContestHeard(("7",))), halted(RUNNING).place
     ),
     "its claim refused, the train is braked": (
         RUNNING,
@@ -279,17 +248,10 @@ TOLD: Final[dict[str, Case]] = {
             DrivingOrder.DEPART,
         ),
     ),
-    "granted, the departure points are thrown": (
+    "granted, the departure points are thrown": changed(
         replace(STANDING, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))),
         TelegramHeard(GrantHeard("3>8", SECTIONS, ("5", "7"), answers=True, fresh=True, newer=True)),
         AT_A,
-        replace(
-            STANDING,
-            may_ask=True,
-            authority=replace(HOLDS_ALL, commands=(OpenCommand(P5, sent=True),)),
-            wanted=(P5,),
-            limit=StopLimit(1, "5", "points not proven"),
-        ),
         (
             StopTimer(Timer("route")),
             Take(SECTIONS),
@@ -299,6 +261,9 @@ TOLD: Final[dict[str, Case]] = {
             *commanded(P5),
             limit(1, "5", "points not proven"),
         ),
+        authority=replace(HOLDS_ALL, commands=(OpenCommand(P5, sent=True),)),
+        wanted=(P5,),
+        limit=StopLimit(1, "5", "points not proven"),
     ),
     "signed on, who waits outside may enter": (
         SIGNING_ON,
@@ -341,23 +306,23 @@ TOLD: Final[dict[str, Case]] = {
         LEAVING,
         (StopTimer(Timer("sign off")), Write(notes.SignedOff()), LeftLine("T1")),
     ),
-    "leaving, it says that it holds its portal": (
+    "leaving, it says that it holds its portal": changed(
         LEAVING,
         TelegramHeard(QueryHeard()),
         AT_B,
-        LEAVING,
         (SendClaim(("8",), leaving=True), Write(notes.Claimed(section_ids=("8",), token=0))),
     ),
-    "proven, the stop limit moves on": (
+    "proven, the stop limit moves on": changed(
         replace(RUNNING, authority=replace(HOLDS_REST, commands=(OpenCommand(P7, sent=True),)), wanted=(P7,)),
         TelegramHeard(ProofHeard("P7", "B-W", "normal", mine=True)),
         ON_6,
-        replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), wanted=(P7,), limit=TO_THE_END),
         (
             StopTimer(Timer("points", "P7")),
             Write(notes.Proven(points_id="P7", position=Position.NORMAL, token=0)),
             limit(5, None, "end of the path"),
         ),
+        authority=replace(HOLDS_REST, proven=(P7,)),
+        limit=TO_THE_END,
     ),
     "a proof withdrawn draws the limit back, and the points are commanded anew": (
         replace(RUNNING, authority=replace(HOLDS_REST, proven=(P7,)), wanted=(P7,), limit=TO_THE_END),
@@ -390,11 +355,10 @@ TOLD: Final[dict[str, Case]] = {
         (Commit(P7), Write(notes.ProofDropped(points_id="P7"))),
     ),
     **{
-        f"a query is answered: {at.value}": (
+        f"a query is answered: {at.value}": changed(
             STATES[at],
             TelegramHeard(QueryHeard()),
             STATES[at].place,
-            STATES[at],
             (
                 SendClaim(STATES[at].authority.held, leaving=at is DutyPhase.LEAVING),
                 Write(notes.Claimed(section_ids=STATES[at].authority.held, token=0)),

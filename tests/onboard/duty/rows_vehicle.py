@@ -36,6 +36,7 @@ from tests.onboard.duty.stage import (
     STATES,
     TO_THE_END,
     Case,
+    changed,
     moved,
     sent,
 )
@@ -56,48 +57,39 @@ READY: Final = replace(
 
 VEHICLE: Final[dict[str, Case]] = {
     **{
-        f"the vehicle is not in order: it does not start: {at.value}": (
+        f"the vehicle is not in order: it does not start: {at.value}": changed(
             STATES[at],
             VehicleChecked(),
             moved(STATES[at].place, unfit="doors not closed"),
-            replace(STATES[at], place=moved(STATES[at].place, unfit="doors not closed")),
             (Write(notes.VehicleUnfit(why="doors not closed")),),
         )
         for at in ON_THE_LINE
         if at not in (DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
     },
     **{
-        f"the vehicle is not in order: it is stopped: {at.value}": (
+        f"the vehicle is not in order: it is stopped: {at.value}": changed(
             STATES[at],
             VehicleChecked(),
             moved(STATES[at].place, unfit="brake not in order"),
-            replace(STATES[at], place=moved(STATES[at].place, unfit="brake not in order")),
             (Write(notes.VehicleUnfit(why="brake not in order")), DrivingOrder.STOP),
         )
         for at in (DutyPhase.RUNNING, DutyPhase.ON_SIGHT)
     },
-    "it stands short of its mark: stopped all the same, and the driver acknowledges": (
+    "it stands short of its mark: stopped all the same, and the driver acknowledges": changed(
         CLEARED_TO_8,
         VehicleChecked(),
         moved(ON_6, stands=True, unfit="doors not closed"),
-        replace(CLEARED_TO_8, place=moved(ON_6, stands=True, unfit="doors not closed"), released=False),
         (Write(notes.VehicleUnfit(why="doors not closed")), DrivingOrder.STOP, RELEASE_LATER),
+        released=False,
     ),
-    "a vehicle in order again lets a train depart that is ready": (
+    "a vehicle in order again lets a train depart that is ready": changed(
         replace(
             STANDING, authority=replace(HOLDS_ALL, proven=(P5,)), limit=BEFORE_7, may_ask=True, may_leave=True
         ),
         VehicleChecked(),
         AT_A,
-        replace(
-            STANDING,
-            phase=DutyPhase.RUNNING,
-            authority=replace(HOLDS_ALL, proven=(P5,)),
-            limit=BEFORE_7,
-            may_ask=True,
-            may_leave=True,
-        ),
         (Write(notes.VehicleFit()), Write(notes.Departs(station="A")), DrivingOrder.DEPART),
+        phase=DutyPhase.RUNNING,
     ),
     "unable to reach its next stop it says so when it would ask for a route, asks for none, and looks again": (
         STANDING,
@@ -107,19 +99,11 @@ VEHICLE: Final[dict[str, Case]] = {
         (SAYS_UNABLE, LOOKS_AGAIN),
     ),
     "still unable, it looks again": (UNABLE, TimerDue(ABLE), BEFORE_A_CLIMB, UNABLE, (LOOKS_AGAIN,)),
-    "still unable when its time comes, it stays": (
-        UNABLE,
-        TimerDue(LEAVE),
-        BEFORE_A_CLIMB,
-        replace(UNABLE, may_leave=True),
-        (),
+    "still unable when its time comes, it stays": changed(
+        UNABLE, TimerDue(LEAVE), BEFORE_A_CLIMB, may_leave=True
     ),
-    "less able than before: shown, and not said again": (
-        UNABLE,
-        Looked(),
-        moved(AT_A, unable=STEEPER),
-        replace(UNABLE, place=moved(AT_A, unable=STEEPER), unable=STEEPER),
-        (),
+    "less able than before: shown, and not said again": changed(
+        UNABLE, Looked(), moved(AT_A, unable=STEEPER), unable=STEEPER
     ),
     "able again, it asks for its route": (
         UNABLE,
@@ -142,14 +126,13 @@ VEHICLE: Final[dict[str, Case]] = {
         replace(READY, place=BEFORE_A_CLIMB, unable=TOO_STEEP),
         (SAYS_UNABLE, LOOKS_AGAIN),
     ),
-    "its pantograph stays up until its way is free: it asks for its route meanwhile": (
+    "its pantograph stays up until its way is free: it asks for its route meanwhile": changed(
         STANDING,
         TimerDue(ASK),
         AT_A_CHARGER,
-        replace(
-            STANDING, place=AT_A_CHARGER, may_ask=True, authority=replace(HOLDS_3, requests=(ROUTE_OPEN,))
-        ),
         (Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
+        may_ask=True,
+        authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
     ),
     "with its way free and its time come, its pantograph is to come down first": (
         replace(READY, may_leave=False),
@@ -165,20 +148,15 @@ VEHICLE: Final[dict[str, Case]] = {
         replace(READY, phase=DutyPhase.RUNNING),
         (Write(notes.Departs(station="A")), DrivingOrder.DEPART),
     ),
-    "unable and without a position, its crew decides": (
+    "unable and without a position, its crew decides": changed(
         replace(UNABLE, may_leave=True),
         PositionLost(),
         moved(AT_A, known=False),
-        replace(
-            UNABLE,
-            phase=DutyPhase.ON_SIGHT,
-            place=moved(AT_A, known=False),
-            stands_at=0,
-            unable=None,
-            may_leave=True,
-            authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
-            released=False,
-        ),
         (RELEASE_LATER, Renew(RequestKind.ROUTE), *sent(ROUTE_OPEN)),
+        phase=DutyPhase.ON_SIGHT,
+        stands_at=0,
+        unable=None,
+        authority=replace(HOLDS_3, requests=(ROUTE_OPEN,)),
+        released=False,
     ),
 }

@@ -20,6 +20,7 @@ from onboard.authority.records import (
     Timer,
     Write,
 )
+from onboard.authority.records import Event as AuthorityEvent
 from onboard.duty.records import (
     ASK,
     LEAVE,
@@ -138,3 +139,18 @@ RELEASE_LATER: Final = SetTimer(RELEASE, 30.0)
 DENIED: Final = Write(notes.GiveBackDenied(why="the train does not stand at a known place"))
 ENTERED: Final = Write(notes.GiveBackDenied(why="the train may have entered the route"))
 Case = tuple[DutyState, Event, PlaceInJoints, DutyState, tuple[Any, ...]]
+AuthorityCase = tuple[Authority, AuthorityEvent, Authority, tuple[Any, ...]]
+
+
+def changed(
+    state: DutyState, event: Event, place: PlaceInJoints, actions: tuple[Any, ...] = (), /, **changes: object
+) -> Case:
+    """A row whose next state is the one before, at `place`, but for what changes."""
+    return state, event, place, replace(state, **{"place": place, **changes}), actions
+
+
+def became(
+    state: Authority, event: AuthorityEvent, actions: tuple[Any, ...] = (), /, **changes: object
+) -> AuthorityCase:
+    """The same of what is held and asked for."""
+    return state, event, replace(state, **changes), actions

@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from onboard.duty.timekeeping import CRUISE_MIN_KMH, STEP_MPS, cruise_for
+from tests.rows import Rows
 from vehicle.records import TrainRow
 from vehicle.running_time import predicted_run
-
-Rows = NDArray[np.void]
 
 LEG_M = 2000.0
 

@@ -1,6 +1,6 @@
 """How many random cases it takes to find a planted defect: that random runs find nothing says only so much."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,8 +9,7 @@ import pytest
 from tests.system.chaos.families import Family
 from tests.system.chaos.generator import case_of
 from tests.system.chaos.run_one import outcome_of
-
-Switch = Callable[[pytest.MonkeyPatch], None]
+from tests.system.switchboard import Switch
 
 
 @dataclass(frozen=True, slots=True)

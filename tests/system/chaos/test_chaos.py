@@ -15,12 +15,13 @@ import pytest
 from simulation.judge.checkers import Checker
 from simulation.loop import Simulation
 from study.drilling.drill import run_drill
-from study.runner.run import FinishedRun, PartyLink
+from study.runner.run import PartyLink
 from tests.nightly import others_nightly
 from tests.system.chaos.campaign import none_fails
 from tests.system.chaos.families import Family
 from tests.system.chaos.generator import case_of
 from tests.system.chaos.twice import differs
+from tests.system.switchboard import RunWith
 
 SLICE: Final = (
     (Family.TEST_LINE, 0, 2),
@@ -131,8 +132,6 @@ def test_what_failed_once_does_not_fail_again(name: str, people: str, tmp_path: 
 
 
 @pytest.mark.parametrize("name", others_nightly(WITHOUT, ["test_3705"]))
-def test_it_fails_again_without_what_mended_it(
-    name: str, run_with: Callable[..., tuple[FinishedRun, set[str]]]
-) -> None:
+def test_it_fails_again_without_what_mended_it(name: str, run_with: RunWith) -> None:
     _, objections = run_with(str(FOLDER / name / f"{name}.toml"), WITHOUT[name])
     assert str(NOT_BY_TRAINS.get(name, Checker.EVERYONE_ARRIVES)) in objections

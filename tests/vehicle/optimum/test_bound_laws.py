@@ -1,12 +1,11 @@
 """What the bound takes of the laws is above them: the electric brake on each cell, the ceiling of the speed."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from tests.rows import Change, Rows
 from vehicle.brakes import regenerative_limit_n
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum import Course
@@ -18,8 +17,6 @@ from vehicle.optimum.mesh import laid_course
 from vehicle.optimum.proof import proven_run
 from vehicle.optimum.way import WayTable
 
-Rows = NDArray[np.void]
-Change = Callable[..., Rows]
 LOAD_SHARE = 0.3
 PIECES = 400
 

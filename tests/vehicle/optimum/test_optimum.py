@@ -1,5 +1,4 @@
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from tests.rows import Change, Rows
 from vehicle.mass import equivalent_mass_kg
 from vehicle.optimum import Course, TooShort, least_energy, least_time
 from vehicle.optimum.bound import Term, bound_of, lower_bound_j
@@ -19,9 +19,7 @@ from vehicle.optimum.way import times_s
 from vehicle.running_time import predicted_run
 from vehicle.train_file import load_train, shipped_train
 
-Rows = NDArray[np.void]
 Floats = NDArray[np.float64]
-Change = Callable[..., Rows]
 
 DECELERATION_MPS2 = 0.7
 PARTS = 12

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from onboard.board import BOARD, SENSED, BoardRow, SensedRow
 from onboard.driving.laws.cue import PLAN, PLAN_COAST, PLAN_HOLD
@@ -14,10 +13,10 @@ from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAW_NAMES, LAWS
 from onboard.records import NO_PLACES, Chart, UnitRow
 from onboard.tick import tick
+from tests.rows import Rows
 from vehicle.dynamics import step
 from vehicle.train_file import new_plant
 
-Rows = NDArray[np.void]
 TRACK_M = 3000
 STEP_S = 0.1
 

@@ -4,16 +4,15 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from onboard.driving.laws.cue import CUE, PLAN, PLAN_COAST, PLAN_FOLLOW, PLAN_HOLD
 from onboard.driving.laws.optimal import OptimalRow, optimal
 from onboard.driving.laws.settings import fit_law
 from onboard.driving.laws.table import LAWS_ROW
 from onboard.records import BehaviourRow, UnitRow
+from tests.rows import Rows
 from vehicle.records import TrainRow
 
-Rows = NDArray[np.void]
 ROWS = 500
 AT_M = 100.0
 
