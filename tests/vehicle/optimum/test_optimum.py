@@ -102,7 +102,7 @@ def test_no_random_run_is_below_the_bound(seed: int, name: str) -> None:
     rng = np.random.default_rng(seed)
     run = hilly(load_train(shipped_train(name)).row, rng, regeneration=float(rng.choice([0.0, 0.5, 1.0])))
     time_s, energy_j = slower_run(run, rng)
-    # A bound is one whatever optimum it was looked for at; with losses none is found at far more than twice the least time.
+    # A bound is one whatever optimum it was sought at; with losses none is found in far more than twice the least time.
     least_s = float(least_time(run).time_s[-1])
     about_s = max(min(time_s, 1.5 * least_s), 1.01 * least_s)
     optimum = least_energy(run, about_s)
