@@ -12,7 +12,7 @@ import typer
 
 from branchline.ending import end, judged_outcome, print_json
 from branchline.options import Json
-from branchline.progress import print_aside, said_if_long
+from branchline.progress import going_on, print_aside
 
 if TYPE_CHECKING:
     from plan.arranging.arrange import ArrangedDay
@@ -47,8 +47,7 @@ def arrange(
     from plan.arranging.files import checked_files, write_day
 
     checked_files(out, scenario)
-    with said_if_long(f"arranging {timetable}") as tell:
-        day = arranged_by_name(line, timetable, train, limit, tell)
+    day = arranged_by_name(line, timetable, train, limit, going_on)
     for path in write_day(day, line, train, out, scenario):
         print_aside(f"wrote {path}")
     outcome = judged_outcome(not day.beyond)

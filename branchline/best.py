@@ -11,7 +11,7 @@ from branchline.best_robust import robust
 from branchline.best_roster import roster
 from branchline.best_trains import trains
 from branchline.dispatching import deadlock, displib
-from branchline.progress import said_if_long
+from branchline.progress import going_on
 
 best = typer.Typer(
     no_args_is_help=True,
@@ -21,8 +21,7 @@ best = typer.Typer(
 @best.callback()
 def _of_all_searches(context: typer.Context) -> None:
     """Search for the best interval, loops, trains, equipment or duties, with a proven bound."""
-    what = f"searching for the best {context.invoked_subcommand}"
-    context.obj = context.with_resource(said_if_long(what))
+    context.obj = going_on
 
 
 best.command()(interval)

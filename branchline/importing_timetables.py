@@ -13,7 +13,7 @@ import typer
 
 from branchline import options
 from branchline.ending import print_json
-from branchline.progress import print_aside, said_if_long
+from branchline.progress import going_on, print_aside
 from study.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -227,8 +227,7 @@ def _arranged(
         from vehicle.train_file import load_train, train_named
 
         train = load_train(train_named(train_name))
-        with said_if_long(f"arranging {name}, which has departures alone") as tell:
-            day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=tell)
+        day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=going_on)
     except InputError as why:
         return imported, [f"not, as of the source alone no plan is found: {why}"]
     if day.beyond:

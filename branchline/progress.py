@@ -34,23 +34,34 @@ def silence_stream(stream: TextIO) -> Generator[None]:
         os.close(nowhere)
 
 
-SPOKEN_AFTER_S: Final = 2.0  # of silence
-SILENT_S = 2.5  # after which a command says that it goes on, and not before who speaks for himself
+SPOKEN_AFTER_S: Final = 2.0  # of compiling
+SILENT_S = 2.0  # after which a command says that it goes on
 
 
 @dataclass(slots=True)
 class _Silence:
     last_s: float = 0.0  # when anybody spoke
     times: int = 0  # that it was broken on end by saying that something goes on
+    doing: str = ""
 
 
 _SILENCE: Final = _Silence()
 
 
 @contextmanager
-def _watched(watch: Callable[[threading.Event], None]) -> Generator[None]:
-    ended = threading.Event()
-    watcher = threading.Thread(target=watch, args=(ended,), daemon=True)
+def never_silent(what: str) -> Generator[None]:
+    """Says that something goes on where nobody has said anything for longer than a person waits, ever less often."""
+    began_s = _SILENCE.last_s = time.monotonic()
+    _SILENCE.doing, ended = "", threading.Event()
+
+    def watch() -> None:
+        while not ended.wait(SILENT_S / 10):
+            now_s, times = time.monotonic(), _SILENCE.times
+            if now_s - _SILENCE.last_s >= SILENT_S * 2**times:
+                print_aside(f"{what}: {now_s - began_s:.0f} s so far{_SILENCE.doing}")
+                _SILENCE.times = times + 1
+
+    watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
     try:
         yield
@@ -59,39 +70,9 @@ def _watched(watch: Callable[[threading.Event], None]) -> Generator[None]:
         watcher.join()
 
 
-@contextmanager
-def never_silent(what: str) -> Generator[None]:
-    """Says that something goes on where nobody has said anything for longer than a person waits, ever less often."""
-    began_s = _SILENCE.last_s = time.monotonic()
-
-    def watch(ended: threading.Event) -> None:
-        while not ended.wait(SILENT_S / 10):
-            now_s, times = time.monotonic(), _SILENCE.times
-            if now_s - _SILENCE.last_s >= SILENT_S * 2**times:
-                print_aside(f"{what}: {now_s - began_s:.0f} s so far")
-                _SILENCE.times = times + 1
-
-    with _watched(watch):
-        yield
-
-
-@contextmanager
-def said_if_long(what: str) -> Generator[Callable[[str], None]]:
-    """Says what goes on whenever it takes longer than a person waits, with what the block gives it."""
-    doing = ""
-
-    def tell(text: str) -> None:
-        nonlocal doing
-        doing = f", {text}"
-
-    def watch(ended: threading.Event) -> None:
-        so_far_s = 0.0
-        while not ended.wait(SPOKEN_AFTER_S):
-            so_far_s += SPOKEN_AFTER_S
-            print_aside(f"{what}: {so_far_s:g} s so far{doing}")
-
-    with _watched(watch):
-        yield tell
+def going_on(doing: str) -> None:
+    """What is being done from now on, to be said where it takes long."""
+    _SILENCE.doing, _SILENCE.times = f", {doing}", 0
 
 
 @contextmanager

@@ -1,13 +1,12 @@
 """What a person is told while something takes its time."""
 
 from collections.abc import Callable
-from threading import Event
 from typing import Any
 
 import pytest
 
 from branchline import progress
-from branchline.progress import CompilingShown, said_if_long
+from branchline.progress import CompilingShown
 from vehicle.compiling import Compilation
 
 
@@ -35,32 +34,6 @@ def test_compiling_that_takes_a_while_is_told_with_the_time_left(
         [],
         [f"{head} optimising, about 4 s left"],
     ]  # fmt: skip
-
-
-def test_what_takes_long_says_so_every_2_s(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    waited_s: list[float] = []
-    done, told = Event(), Event()
-
-    class Watched(Event):
-        def wait(self, timeout: float | None = None) -> bool:
-            if timeout is None:  # a thread's own, that it has started
-                return super().wait()
-            told.wait()
-            waited_s.append(timeout)
-            if len(waited_s) <= 3:
-                return False
-            done.set()
-            return super().wait()
-
-    monkeypatch.setattr(progress.threading, "Event", Watched)
-    with said_if_long("fitting") as tell:
-        tell("curve 2")
-        told.set()
-        done.wait()
-    assert capsys.readouterr().err.splitlines() == [f"fitting: {s} s so far, curve 2" for s in (2, 4, 6)]
-    assert waited_s == [2.0, 2.0, 2.0, 2.0]
 
 
 def test_a_command_is_never_silent_for_long_whoever_speaks(
