@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from network.errors import InputError
 from network.files.toml_input import one_of
 from simulation.sensor_settings import Curvature
 from simulation.settings import PositionSensor, Sensors
-from simulation.setup import Setup
 
 AT_LEAST_ONE = "at least one of " + ", ".join(PositionSensor) + ": wheels alone tell no train where it is"
 
@@ -42,8 +40,3 @@ def check_window(file: str, sensors: Sensors, curvature: Curvature) -> None:
 def _each_once(file: str, key: str, carries: Sequence[PositionSensor]) -> None:
     if len(set(carries)) < len(carries):
         raise InputError(file, key, [str(one) for one in carries], "each sensor once")
-
-
-def carrying_these(setup: Setup, *carries: PositionSensor) -> Setup:
-    """The same run with every stock carrying these sensors and no others."""
-    return replace(setup, sensors=setup.sensors.model_copy(update={"carries": carries, "carries_of": {}}))

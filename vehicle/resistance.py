@@ -22,11 +22,6 @@ KMH_PER_MPS: Final = 3.6
 STARTING_BAND_KMH: Final = 3.0
 
 
-def jis_air_n_per_kmh2(cars: int) -> float:
-    """Air term of equation 3 for a formation of `cars` cars, N/(km/h)^2."""
-    return 9.810 * (0.028 + 0.008 * (cars - 1))
-
-
 @compiled
 def running_resistance_n(train: TrainRow, mass_kg: float, speed_mps: float) -> float:
     """Running resistance (走行抵抗) on straight level track, N, equation 3 with the train's coefficients."""

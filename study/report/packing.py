@@ -8,11 +8,9 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from base64 import b64decode, b64encode
+from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
-
-import msgspec
 
 Packed = dict[str, Any]
 
@@ -58,11 +56,3 @@ def deflated(payload: Mapping[str, Any]) -> str:
     """The payload as text for the page. The same payload gives the same text."""
     text = json.dumps(payload, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return b64encode(zlib.compress(text.encode("utf-8"), 9)).decode("ascii")
-
-
-def inflated(text: str) -> dict[str, Any]:
-    """What `deflated` was given. Raises ValueError for other text."""
-    try:
-        return msgspec.json.decode(zlib.decompress(b64decode(text, validate=True)), type=dict[str, Any])
-    except (zlib.error, msgspec.DecodeError) as error:
-        raise ValueError("not a payload of a report") from error

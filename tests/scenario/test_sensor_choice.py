@@ -6,7 +6,7 @@ import pytest
 
 from network.errors import InputError
 from scenario.scenario import load_scenario
-from scenario.sensor_choice import AT_LEAST_ONE, carrying_these
+from scenario.sensor_choice import AT_LEAST_ONE
 from simulation.settings import PositionSensor
 
 BASE = 'extends = "karasuyama_weekday"\nid = "s"\nname = "s"\n[sensors]\n'
@@ -59,10 +59,3 @@ def test_others_are_refused_with_key_and_what_is_expected(
 def test_who_carries_nothing_in_general_may_carry_something_each(tmp_path: Path) -> None:
     each = ", ".join(f'{stock_id} = ["tags"]' for stock_id in ("V1", "V2", "V3", "V4"))
     load_scenario(written(tmp_path, f"carries = []\ncarries_of = {{ {each} }}\n"))
-
-
-def test_every_stock_is_given_the_same() -> None:
-    setup = load_scenario("karasuyama_position").setup
-    assert {setup.sensors.carried_by(s) for s in setup.trains} != {frozenset({PositionSensor.TAGS})}
-    same = carrying_these(setup, PositionSensor.TAGS)
-    assert {same.sensors.carried_by(s) for s in same.trains} == {frozenset({PositionSensor.TAGS})}

@@ -5,7 +5,6 @@ from vehicle.mass import mass_kg
 from vehicle.resistance import (
     curve_resistance_n,
     gradient_force_n,
-    jis_air_n_per_kmh2,
     resistance_n,
     running_resistance_n,
 )
@@ -30,8 +29,8 @@ def test_hitachis_formula_in_kg_per_ton(hitachi: Rows) -> None:
 
 
 def test_air_term_of_the_shipped_trains_is_that_of_their_number_of_cars(ev_e301: Rows, oda: Rows) -> None:
-    assert ev_e301[0]["resistance"]["air_n_per_kmh2"] == pytest.approx(jis_air_n_per_kmh2(2))
-    assert oda[0]["resistance"]["air_n_per_kmh2"] == pytest.approx(jis_air_n_per_kmh2(10))
+    assert ev_e301[0]["resistance"]["air_n_per_kmh2"] == pytest.approx(9.810 * (0.028 + 0.008))
+    assert oda[0]["resistance"]["air_n_per_kmh2"] == pytest.approx(9.810 * (0.028 + 9 * 0.008))
 
 
 def test_starting_resistance_is_a_line_from_30_n_per_tonne_to_3_kmh(ev_e301: Rows) -> None:

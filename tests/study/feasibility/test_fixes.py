@@ -8,7 +8,6 @@ import pytest
 from network.model import Direction, MarkerGroup
 from onboard.fixes import EYE_WITHIN_M
 from scenario.scenario import load_scenario
-from scenario.sensor_choice import carrying_these
 from simulation.settings import PositionSensor
 from simulation.setup import Setup
 from simulation.world.roster import drawn_up
@@ -29,8 +28,12 @@ def setup() -> Setup:
     return load_scenario("karasuyama_round_trip").setup
 
 
+def carrying(setup: Setup, carries: tuple[PositionSensor, ...]) -> Setup:
+    return replace(setup, sensors=setup.sensors.model_copy(update={"carries": carries, "carries_of": {}}))
+
+
 def fixes(setup: Setup, *carries: PositionSensor) -> tuple[PositionKnown, ...]:
-    given = carrying_these(setup, *carries)
+    given = carrying(setup, carries)
     duty = drawn_up(given, given.line)["V2"][0]
     assert duty.mission.direction is Direction.DOWN
     return fixes_on(given, "V2", duty.mission)
@@ -77,7 +80,7 @@ def test_curvature_tells_behind_transition_curves(setup: Setup) -> None:
 
 def brought(setup: Setup, *carries: PositionSensor) -> set[str]:
     """Stations to which a driver would have to bring his train on sight."""
-    given = carrying_these(setup, *carries)
+    given = carrying(setup, carries)
     found = equipment_of(given, planned_day(given))
     told = [one for one in found if "on sight" in one.text]
     assert {one.severity for one in told} <= {Severity.TIGHT}

@@ -1,14 +1,16 @@
 """Reading a report as its modules do."""
 
 import re
+import zlib
+from base64 import b64decode
 from dataclasses import replace
 from html.parser import HTMLParser
 from typing import Any
 
+import msgspec
 import polars as pl
 
 from study.report.data import ReportedRun
-from study.report.packing import inflated
 
 VOID_TAGS = {"meta", "br", "link", "img", "input", "hr"}
 
@@ -48,6 +50,11 @@ class Page(HTMLParser):
 
 def with_table(run: ReportedRun, **frames: pl.DataFrame) -> ReportedRun:
     return replace(run, tables=replace(run.tables, **frames))
+
+
+def inflated(text: str) -> dict[str, Any]:
+    """What `deflated` was given."""
+    return msgspec.json.decode(zlib.decompress(b64decode(text, validate=True)), type=dict[str, Any])
 
 
 def payload_of(page: str) -> dict[str, Any]:
