@@ -100,7 +100,7 @@ def test_who_is_overdue_is_waited_for_while_that_pays_in_the_mean(overdue_s: flo
     """The fast train (60 s) is overdue, the slow one (1,200 s) asks. If the fast one comes after r, to wait makes the
     slow one later by r + 60, and to go the fast one by 1,200 - r. r is (overdue + 120) (2k + 1) / (15 - 2k) in way k.
     At 30 s overdue 10, 35, 68, 117, 193, 330, 650, 1,800: to wait costs 460 in the mean, to go 825. At 1,500 s
-    116, 405, 794, 1,361, and four times 1,800; to go costs 286, to wait over 750 even if it goes after 15 min.
+    108, 374, 736, 1,260, and four times 1,800; to go costs 298, to wait over 700 even if it goes after 15 min.
     """
     ways = [["0.1", "1.1"], ["1.2", "0.2"]]
     given = config_of([2, 2], ways, order=OrderRule.OPTIMAL, certificate=True, late_s=20.0)
