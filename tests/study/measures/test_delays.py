@@ -30,6 +30,7 @@ from simulation.events import MANAGER, WORLD, CameLate, DoorsHeld, Entered, Powe
 from simulation.journal import Journal
 from simulation.result import Ending, RunResult, StopRecord, Waiting
 from simulation.setup import Setup
+from study.measures import delays
 from study.measures.day_figures import day_figures
 from study.measures.deadlock import deadlocked
 from study.measures.delays import LatenessGrowth, delays_of
@@ -277,3 +278,13 @@ def test_a_ring_of_trains_that_wait_for_one_another_is_a_deadlock() -> None:
     assert deadlocked(_ring(("K1", "K2"), ("K2", "K3"))) == ()
     assert deadlocked(_ring(("K1", "K2"), ("K2", "K1"), freed="K2")) == ()
     assert deadlocked(_ring(("K3", "K1"), ("K1", "K2"), ("K2", "K1"))) == ring[:2]
+
+
+@pytest.mark.parametrize(
+    ("spans", "covered_s"),
+    [([(0, 10), (5, 15)], 15), ([(0, 20), (5, 10)], 20), ([(-5, 5), (25, 40)], 10), ([(40, 50)], 0)],
+)
+def test_of_two_faults_at_once_each_second_counts_once(
+    spans: list[tuple[float, float]], covered_s: float
+) -> None:
+    assert delays._overlap_s(spans, 0.0, 30.0) == covered_s
