@@ -33,16 +33,10 @@ def test_it_passes_on_its_short_slice() -> None:
     assert all(parameter.origin for parameter in result.parameters)
 
 
-@pytest.mark.parametrize(
-    ("errors_m", "ours"),
-    [((-0.01, 0.0, 0.01), (3, 0.0, 0.03, 0.01)), ((-0.12, 0.0, 0.0), (2, -0.04, 0.2078, 0.12))],
-)
-def test_the_papers_figures_of_three_stops_by_hand(
-    errors_m: tuple[float, ...], ours: tuple[float, ...]
-) -> None:
-    """The second: squares of 0.08, 0.04 and 0.04 add up to 0.0096; three times the root of half of that."""
-    stops = tuple(ScaleTrackStop(Direction.DOWN, error_m, 0.0, 1, 0, 0) for error_m in errors_m)
-    assert [row.ours for row in oda_scale_track._rows(stops, "")] == [f"{ours[0]} of 3", *ours[1:]]
+def test_the_papers_figures_of_three_stops_by_hand() -> None:
+    """Squares of 0.08, 0.04 and 0.04 add up to 0.0096; three times the root of half of that."""
+    stops = tuple(ScaleTrackStop(Direction.DOWN, error_m, 0.0, 1, 0, 0) for error_m in (-0.12, 0.0, 0.0))
+    assert [row.ours for row in oda_scale_track._rows(stops, "")] == ["2 of 3", -0.04, 0.2078, 0.12]
 
 
 def test_ten_stops_as_the_paper_ran_them(renderer: Renderer, table: SightTable) -> None:

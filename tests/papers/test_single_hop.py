@@ -1,9 +1,5 @@
 """Hops from a stand to a stand on the bench: what is ordered comes out, whatever law drives, and nothing leaks over."""
 
-from functools import partial
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -109,19 +105,6 @@ def test_a_planner_lays_a_plan_for_every_hop() -> None:
     assert hops["plan_due_s"].tolist() == [107.0, 157.0]  # by when the plan is there, whatever was ordered
     assert outcomes["coasting_s"][0] > outcomes["coasting_s"][1] + 5.0
     assert outcomes["energy_traction_j"][0] < outcomes["energy_traction_j"][1]
-
-
-def test_an_order_is_tried_by_tenths_beside_the_best_half_second() -> None:
-    """By a law that comes 0.3 s late the order is 89.7 s for 90 s; of the half seconds 89.5 s is the nearest."""
-    course: Any = SimpleNamespace(least_s=lambda _: 0.0)
-    course.run = lambda hops: (
-        np.array([(s + 0.3,) for s in hops["order_s"]], dtype=[("time_s", "f8")]),
-        None,
-    )
-    course._nearest = partial(HopBench._nearest, course)
-    found = HopBench.timed(course, 90.0)
-    assert found.order_s == 89.7
-    assert found.off_s == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize("gradient_permille", [10.0, 0.0, -10.0])

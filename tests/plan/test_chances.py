@@ -109,6 +109,13 @@ def test_it_goes_out_of_turn_to_save_a_minute(ready_s: int, found: object) -> No
     assert lost_s(train((WEST, OFF, 1000, 1010)), train((WEST, OFF, 60, 60), ready_s=ready_s)) == found
 
 
+def test_who_is_overdue_is_waited_for_while_that_pays_in_the_mean() -> None:
+    """To wait costs r and r + 50 up to 650 s; then the slow one goes at 960. If it goes now, the other at 1,200."""
+    waits_s, goes_s = 2 * sum(RESIDUES_S[:-1]) + 7 * 50 + 950 + 2160, 7 * 1200 + 1800
+    found = lost_s(train((WEST, OFF, 1200, 1210)), train((WEST, OFF, 60, 60), stood_s=30))
+    assert found == ((1, 0), waits_s // 8, goes_s // 8)
+
+
 def test_where_it_is_much_work_the_middle_way_alone_is_played(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chances, "WORK_MAX", -1)
     assert lost_s(ALONE, LATE) == ((0,), 117, 117 + 60)

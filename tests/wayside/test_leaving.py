@@ -425,7 +425,9 @@ def test_what_a_person_said_wrongly_of_one_that_leaves_is_free_though_another_ca
     assert desk.standing("u1") is UnitStanding.OUTSIDE
 
 
-def test_what_a_person_said_wrongly_of_one_that_has_left_persons_can_put_right_though_it_was_in_dispute() -> None:
+def test_what_a_person_said_wrongly_of_one_that_has_left_persons_can_put_right_though_it_was_in_dispute() -> (
+    None
+):
     """Found by `branchline verify explore 0/0/1/1`: booted after its train had left, it counted as reporting what it
     had never claimed, and never reported.
     """

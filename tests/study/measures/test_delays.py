@@ -280,11 +280,5 @@ def test_a_ring_of_trains_that_wait_for_one_another_is_a_deadlock() -> None:
     assert deadlocked(_ring(("K3", "K1"), ("K1", "K2"), ("K2", "K1"))) == ring[:2]
 
 
-@pytest.mark.parametrize(
-    ("spans", "covered_s"),
-    [([(0, 10), (5, 15)], 15), ([(0, 20), (5, 10)], 20), ([(-5, 5), (25, 40)], 10), ([(40, 50)], 0)],
-)
-def test_of_two_faults_at_once_each_second_counts_once(
-    spans: list[tuple[float, float]], covered_s: float
-) -> None:
-    assert delays._overlap_s(spans, 0.0, 30.0) == covered_s
+def test_of_faults_at_once_each_second_counts_once() -> None:
+    assert delays._overlap_s([(-5, 5), (0, 10), (2, 4), (25, 40)], 0.0, 30.0) == 15.0
