@@ -129,8 +129,7 @@ def _comes_first(line: LineRows, states: StateRows, i: int, first: int, move: in
             if holder >= 0 and holder != mover:
                 in_the_way = holder
                 break
-            if section != states.place[1, mover]:
-                time_s = max(time_s, states.free[1, section])
+            time_s = max(time_s, states.free[1, section])
         if in_the_way < 0:
             makes(line, states, 1, mover, time_s)
             size = max(1, size - 1)

@@ -54,7 +54,7 @@ class StateRows(NamedTuple):
 @compiled
 def leaves_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
     """When a stock can make its next move; -1: another stands there, or not all could finish afterwards."""
-    m, place = states.at[b, i], states.place[b, i]
+    m = states.at[b, i]
     time_s = max(states.ready[b, i], line.departs[m])
     for section in line.needs[m]:
         if section < 0:
@@ -62,8 +62,7 @@ def leaves_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
         holder = states.holder[b, section]
         if holder >= 0 and holder != i:
             return -1
-        if section != place:
-            time_s = max(time_s, states.free[b, section])
+        time_s = max(time_s, states.free[b, section])  # its own place was free when it came
     made = m + 1 - line.first[i]
     for other in range(len(line.first) - 1):
         if other != i and line.dead[i, other, made, states.at[b, other] - line.first[other]]:

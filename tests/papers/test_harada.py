@@ -170,13 +170,17 @@ def test_harada_accuracy_on_a_short_line_and_without_curvature_it_fails() -> Non
     assert "the same with " in missed(rows)  # what is worse than the filter off is not the filter in space
 
 
-@pytest.mark.parametrize(("passed", "within"), [(200, True), (199, False)])
-def test_check_points_that_were_not_passed_are_not_within_2_m(passed: int, within: bool) -> None:
+@pytest.mark.parametrize(
+    ("passed", "error_m", "within"), [(200, -2.0, True), (199, 0.0, False), (200, -2.1, False)]
+)
+def test_check_points_that_were_not_passed_are_not_within_2_m(
+    passed: int, error_m: float, within: bool
+) -> None:
     """Figure 5 is of all 800: a train that stays on the way has fewer errors, not smaller ones."""
     place = SimpleNamespace(line=SimpleNamespace(tags=range(200)))
     ride = SimpleNamespace(
         trip=SimpleNamespace(place=place),
-        errors_m=np.zeros(passed),
+        errors_m=np.full(passed, error_m),
         result=SimpleNamespace(out_m=-1.0, held=True, arrived=False),
     )
     runs = harada_accuracy.CaseRuns("", (cast("TripRun", ride),))

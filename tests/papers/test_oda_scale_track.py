@@ -7,7 +7,8 @@ import pytest
 
 from network.model import Direction
 from onboard.localisation.vision import ImageWindow, SightTable
-from papers.oda_scale_track import TrackTest, reproduce, run_stops
+from papers import oda_scale_track
+from papers.oda_scale_track import ScaleTrackStop, TrackTest, reproduce, run_stops
 from papers.reproduction import Options
 from simulation.sensors.camera import PAPER_CAMERA, PAPER_SIGN, PAPER_TABLE_M, Renderer
 from simulation.sensors.sighting_model import record_table
@@ -30,6 +31,12 @@ def test_it_passes_on_its_short_slice() -> None:
     assert [row.case for row in result.rows if not row.passed] == []
     assert result.remarks[-1].startswith("Quick")
     assert all(parameter.origin for parameter in result.parameters)
+
+
+def test_the_papers_figures_of_three_stops_by_hand() -> None:
+    """Squares of 0.08, 0.04 and 0.04 add up to 0.0096; three times the root of half of that."""
+    stops = tuple(ScaleTrackStop(Direction.DOWN, error_m, 0.0, 1, 0, 0) for error_m in (-0.12, 0.0, 0.0))
+    assert [row.ours for row in oda_scale_track._rows(stops, "")] == ["2 of 3", -0.04, 0.2078, 0.12]
 
 
 def test_ten_stops_as_the_paper_ran_them(renderer: Renderer, table: SightTable) -> None:

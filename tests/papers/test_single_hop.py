@@ -97,10 +97,12 @@ def test_a_planner_lays_a_plan_for_every_hop() -> None:
         plan["speed_mps"], plan["mode"] = 16.0, PLAN_HOLD
         plan["mode"][int(course.begin_m + 4.0 * order_s) :] = PLAN_COAST
         plan["time_left_s"] = -1000.0  # never late
-        return PlanOnPath(plan, order_s)
+        return PlanOnPath(plan, order_s + 7.0)
 
     course = HopBench(paper_bench("follow_plan"), one_gradient(HOP_M), planner)
-    outcomes, _ = course.run(new_hops([100.0, 150.0]))
+    hops = new_hops([100.0, 150.0])
+    outcomes, _ = course.run(hops)
+    assert hops["plan_due_s"].tolist() == [107.0, 157.0]  # by when the plan is there, whatever was ordered
     assert outcomes["coasting_s"][0] > outcomes["coasting_s"][1] + 5.0
     assert outcomes["energy_traction_j"][0] < outcomes["energy_traction_j"][1]
 

@@ -12,7 +12,9 @@ from papers.stop_statistics import (
     effects_m,
     first_order_share,
     reproduce,
+    share_rows,
     stop_statistics,
+    stops_of,
     within_rows,
 )
 
@@ -40,12 +42,15 @@ def test_factors_are_drawn_over_their_ranges() -> None:
     assert values["last_beacon"].max() == pytest.approx(20.0, abs=0.02)
     assert values["brake"].std() == pytest.approx(0.02, rel=0.02)
     assert np.abs(values["brake"] - 1.0).max() <= 0.06 + 1e-12
+    off_s = stops_of(values, 0.3)["brake_lag_off_s"]
+    assert 0.3 + off_s == pytest.approx(values["brake_lag"])  # the brake has the lag that is drawn
 
 
 def test_the_shares_within_grow_with_the_limit(usual: StopStatistics) -> None:
     assert usual.errors_m.size == 4000
     assert 0.5 < usual.within[0.35] <= usual.within[0.5] <= usual.within[1.0] <= 1.0
     assert 0.8 < sum(usual.variance_shares.values()) < 1.1
+    assert [row.passed for row in share_rows(usual)] == [True, True]  # and is what each factor does alone
 
 
 @pytest.mark.nightly
@@ -89,7 +94,8 @@ def test_what_a_factor_does_alone_has_the_sign_of_its_physics() -> None:
     assert effects["brake"] < 0.0 < effects["load"]
     assert effects["gradient"] < 0.0
     assert effects["adhesion"] == 0.0  # the brake stays below it
-    assert effects["beacon_error"] < 0.0  # a beacon taken to lie further ahead puts the estimate ahead
+    # The last beacon taken to lie 0.05 m further ahead puts the estimate as far ahead.
+    assert effects["beacon_error"] == pytest.approx(-0.05, abs=0.005)
     assert effects["wheel"] < 0.0  # a wheel that shows more way than it runs
 
 

@@ -135,6 +135,8 @@ def test_clopper_pearson_without_hits() -> None:
     assert (estimate.value, estimate.low) == (0.0, 0.0)
     assert estimate.high == pytest.approx(1.0 - 0.025**0.01)
     assert clopper_pearson(100, 100, 0.95).high == 1.0
+    assert clopper_pearson(1, 10, 0.95).low == pytest.approx(1.0 - 0.975**0.1)  # any hit: 1 - (1 - p)^10
+    assert clopper_pearson(9, 10, 0.95).high == pytest.approx(0.975**0.1)  # no miss: p^10
 
 
 def test_clean_telegrams_always_give_the_right_id() -> None:
@@ -154,8 +156,9 @@ def test_played_passages_agree_with_the_exact_figures(shift_factor: float) -> No
 def test_weighted_passages_agree_with_the_exact_figures(shift_bits_max: int) -> None:
     channel = Channel((0.03, 0.01), shift_bits_max=shift_bits_max)
     shares = any_rule_probabilities(PAPER, outcome_probabilities(PAPER, channel, TAG_ID))
-    estimate = weighted_trials(
-        generator(3, "test"), channel, TAG_ID, 2, IdAgreement(), shares / shares.sum(), 400_000, 0.999
-    )
+    game = channel, TAG_ID, 2, IdAgreement(), shares / shares.sum(), 400_000
+    estimate, one = (weighted_trials(generator(3, "test"), *game, within) for within in (0.999, 0.6827))
+    sigmas = (estimate.high - estimate.value) / (one.high - one.value)
+    assert sigmas == pytest.approx(3.29, rel=1e-3)
     assert estimate.high < 2.0 * estimate.value
     assert estimate.holds(passage_failure(PAPER, channel, TAG_ID).unsafe)

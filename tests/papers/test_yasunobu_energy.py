@@ -84,6 +84,32 @@ def test_too_soon_and_short_of_the_mark_is_not_kept_either(off_s: float, error_m
     assert is_kept(hop) is kept
 
 
+@pytest.mark.parametrize(("pid_off_s", "saved"), [(0.0, 0.2), (1.5, 0.0)])
+def test_what_is_saved_is_a_share_of_pids_and_nothing_where_that_is_late(
+    pid_off_s: float, saved: float
+) -> None:
+    pid = SimpleNamespace(traction_kwh=10.0, off_s=pid_off_s, outcome={"error_m": 0.0})
+    fuzzy = SimpleNamespace(traction_kwh=8.0, off_s=0.0, outcome={"error_m": 0.0})
+    hops: Any = {DrivingWay.PID: pid, DrivingWay.FUZZY: fuzzy}
+    cell = EnergyCell(0.0, 100.0, hops, {}, 0.0, 0.0, None, None, 0.0)
+    assert cell.saving_in_time() == pytest.approx(saved)
+
+
+def test_a_hop_is_set_against_the_bound_of_its_own_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """80 s where 100 s are asked for, with 150 J; no train needs less than 8,000 J s over its time."""
+    hop = SimpleNamespace(outcome={"time_s": 80.0, "energy_traction_j": 150.0})
+    train = SimpleNamespace(traction_dead_time_s=0.0, traction_lag_s=0.0)
+    monkeypatch.setattr(
+        yasunobu_cells, "hops_of", lambda *_: SimpleNamespace(timed=lambda _: hop, train=train)
+    )
+    monkeypatch.setattr(yasunobu_cells, "course_of", lambda *_: None)
+    monkeypatch.setattr(yasunobu_cells, "strongest_mps2", lambda _: 0.0)
+    monkeypatch.setattr(yasunobu_cells, "least_energy", lambda *_: SimpleNamespace(energy_j=0.0))
+    monkeypatch.setattr(yasunobu_cells, "lower_bound_j", lambda *asked: 8000.0 / asked[-1])
+    (cell,) = run_cells(0.0, (100.0,), (DrivingWay.PID,))
+    assert cell.over_bound[DrivingWay.PID] == pytest.approx(0.5)
+
+
 def test_a_hop_off_its_time_saves_nothing(level: list[EnergyCell]) -> None:
     """Neither by coming late nor by being left out of the mean."""
     first, second = level

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from plan.dispatching import asked
 from plan.dispatching.asked import answer_to
-from plan.dispatching.chances import is_better, residue_s
+from plan.dispatching.chances import is_better
 from radio.messages import RouteGranted, RouteRefused
 from tests.plan.test_order_asked import ASKS_S, planned_at
 from tests.plan.test_order_asked import asked as asked_play
@@ -93,29 +93,6 @@ def test_who_has_waited_as_long_as_may_be_goes_before_others() -> None:
     assert isinstance(play.asks(0), RouteRefused)
     play.now_s = ASKS_S + 900.0
     assert isinstance(play.asks(2), RouteRefused)
-
-
-@pytest.mark.parametrize(("overdue_s", "waits"), [(30.0, True), (1500.0, False)])
-def test_who_is_overdue_is_waited_for_while_that_pays_in_the_mean(overdue_s: float, waits: bool) -> None:
-    """The fast train (60 s) is overdue, the slow one (1,200 s) asks. If the fast one comes after r, to wait makes the
-    slow one later by r + 60, and to go the fast one by 1,200 - r. r is (overdue + 120) (2k + 1) / (15 - 2k) in way k.
-    At 30 s overdue 10, 35, 68, 117, 193, 330, 650, 1,800: to wait costs 460 in the mean, to go 825. At 1,500 s
-    116, 405, 794, 1,361, and four times 1,800; to go costs 286, to wait over 750 even if it goes after 15 min.
-    """
-    ways = [["0.1", "1.1"], ["1.2", "0.2"]]
-    given = config_of([2, 2], ways, order=OrderRule.OPTIMAL, certificate=True, late_s=20.0)
-    given = planned_at(given, [[(100.0, 60.0)], [(110.0, 1200.0)]])
-    play = Play(given, ways, now_s=100.0 + overdue_s)
-    play.register = replace(play.register, plan=dataclasses.replace(play.register.plan, solver=answer_to))
-    assert isinstance(play.asks(1), RouteRefused if waits else RouteGranted)
-
-
-@pytest.mark.parametrize("stood_s", [0, 60, 600])
-def test_who_has_stood_may_stand_for_as_long_again(stood_s: int) -> None:
-    """As likely as not it is there after as long again (and two minutes), and never later than after half an hour."""
-    assert residue_s(stood_s, 0.5) == stood_s + 120
-    assert residue_s(stood_s, 0.2) * 4 == stood_s + 120
-    assert residue_s(stood_s, 0.999) == 1800
 
 
 @pytest.mark.parametrize(

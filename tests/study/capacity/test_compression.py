@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -10,7 +12,10 @@ from hypothesis import strategies as st
 from network.model import Direction
 from study.capacity import compression
 from study.capacity.compression import Compressed, ContradictionError, StandingRule, compressed
+from study.capacity.cut import PartKind
 from study.capacity.legs import SetLeg, legs_of
+from study.capacity.limits import LIMITS, TrafficKind
+from study.capacity.line_capacity import Period, Rate
 from study.capacity.occupation import OccupationCost, conflicts_of
 from tests.study.capacity.hand_made import Made, day, held, legs
 
@@ -104,6 +109,24 @@ def test_trains_that_each_come_after_the_other_are_named() -> None:
 def test_a_part_without_trains_takes_no_time() -> None:
     found = compressed(legs(day("L")), frozenset({"elsewhere"}))
     assert (found.occupied_s, found.chain, found.section_id) == (0.0, (), "")
+
+
+def test_the_section_held_longest_decides_and_not_the_one_held_last() -> None:
+    """S1 for 300 s; S2 for 150 s, and to the end: after 300 s the same train could come again."""
+    found = compressed(
+        legs_of([held("S1", "1", 0.0, 300.0), held("S2", "1", 250.0, 400.0)], lambda one: "." in one), WHOLE
+    )
+    assert (found.occupied_s, found.section_id) == (300.0, "S1")
+
+
+@pytest.mark.parametrize(("trains", "more"), [(4, 2), (8, 4), (0, 0)])
+def test_a_rate_by_hand(trains: int, more: int) -> None:
+    """Half an hour of an hour of the peak, limit 75 %: 66.7 % are consumed, and half as many trains again may come."""
+    half = Compressed((), (), 0.0, 1800.0, ())
+    part: Any = SimpleNamespace(name="", kind=PartKind.LINE, section_ids=())
+    period = Period("", 0.0, 3600.0, peak=True)
+    row = Rate(part, period, trains, half, LIMITS[TrafficKind.MIXED], StandingRule.KEPT).as_dict()
+    assert (row["consumed_percent"], row["trains_below_limit"]) == (66.7, more)
 
 
 def test_what_was_held_and_never_entered_is_no_leg() -> None:

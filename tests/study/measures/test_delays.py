@@ -30,6 +30,7 @@ from simulation.events import MANAGER, WORLD, CameLate, DoorsHeld, Entered, Powe
 from simulation.journal import Journal
 from simulation.result import Ending, RunResult, StopRecord, Waiting
 from simulation.setup import Setup
+from study.measures import delays
 from study.measures.day_figures import day_figures
 from study.measures.deadlock import deadlocked
 from study.measures.delays import LatenessGrowth, delays_of
@@ -277,3 +278,7 @@ def test_a_ring_of_trains_that_wait_for_one_another_is_a_deadlock() -> None:
     assert deadlocked(_ring(("K1", "K2"), ("K2", "K3"))) == ()
     assert deadlocked(_ring(("K1", "K2"), ("K2", "K1"), freed="K2")) == ()
     assert deadlocked(_ring(("K3", "K1"), ("K1", "K2"), ("K2", "K1"))) == ring[:2]
+
+
+def test_of_faults_at_once_each_second_counts_once() -> None:
+    assert delays._overlap_s([(-5, 5), (0, 10), (2, 4), (25, 40)], 0.0, 30.0) == 15.0

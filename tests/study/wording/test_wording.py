@@ -37,10 +37,11 @@ from study.compare.comparison import FATES
 from study.compare.measures import TABLES, columns_in
 from study.compare.meets import MeetFate
 from study.drilling.drill import find_drill
+from study.measures.wait_text import text_of
 from study.record.driving import EARLY, DrivenHop
 from study.record.figure import figures_of
 from study.record.tables import ROWS
-from study.record.wait import Cause
+from study.record.wait import Cause, Wait
 from study.wording import script
 from study.wording.assumptions import assumption
 from study.wording.catalogue import phrases_of
@@ -322,3 +323,8 @@ def test_a_sentence_is_found_by_its_form_with_its_figures(form: Phrase) -> None:
     assert said is not None and said.en == form.en.format(*values)
     assert all(value in said.ja for value in values) or "times:" in form.en
     assert phrase_by_form(FORMS, "something else", Phrase) is None
+
+
+def test_a_vehicle_that_lacks_something_is_said_not_to_come_further() -> None:
+    said = text_of(Wait("K1", "1", 0.0, 1.0, Cause.UNABLE, "A", reason="power")).en
+    assert said == "1 stays at A: it could not reach its next stop for want of power."
