@@ -5,7 +5,6 @@ from __future__ import annotations
 import pickle
 import tomllib
 from collections.abc import Iterable, Mapping
-from datetime import date, time
 from functools import lru_cache
 from typing import Any, Final, TypeVar
 
@@ -120,6 +119,6 @@ def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> Inp
         what = "a finite number" if detail["type"] == "finite_number" else what
         return InputError(file, key, value, f"{what} {range_text(node)}".rstrip())
     expected = detail["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
-    if detail["type"] == "string_type" and isinstance(value, date | time):
+    if detail["type"] == "string_type" and hasattr(value, "isoformat"):
         value, expected = str(value), f'"{value}", in quotes'
     return InputError(file, key, "a table" if isinstance(value, dict) else value, expected)
