@@ -43,12 +43,7 @@ from radio.envelope import AGE_MAX_S
 from radio.keys import key_ring
 from tests.host.exclusion_trains import CONFIG, MASTER, PLANS, SECTIONS, UNITS, Train, Where
 from wayside import said
-from wayside.config import (
-    MANAGER_ID,
-    DeviceConfig,
-    ReentryMode,
-    TerminalConfig,
-)
+from wayside.config import MANAGER_ID, DeviceConfig, ReentryMode, TerminalConfig
 from wayside.register import ReentryStage
 
 HOLD_S: Final = 5.0  # a route set back is not asked for again before

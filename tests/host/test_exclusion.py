@@ -31,9 +31,7 @@ from tests.host.exclusion_bench import World
 from tests.host.exclusion_trains import SECTIONS, UNITS, Where
 from tests.nightly import others_nightly
 from wayside import said
-from wayside.config import (
-    ReentryMode,
-)
+from wayside.config import ReentryMode
 from wayside.register import Register
 
 SEEDS: Final = 16

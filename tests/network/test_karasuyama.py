@@ -8,10 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from exchange.geometry import (
-    curve_speed_kmh,
-    equilibrium_cant_mm,
-)
+from exchange.geometry import curve_speed_kmh, equilibrium_cant_mm
 from network.alignment import positions
 from network.files.line_file import load_line
 from network.files.shipped import shipped_line, shipped_timetable

@@ -11,11 +11,7 @@ from hypothesis import strategies as st
 from onboard.board import BoardRow
 from onboard.driving.laws.power import power_notch
 from onboard.driving.pattern import pattern_of
-from onboard.records import (
-    EMERGENCY_INTERVENTION,
-    MODE_HOLD,
-    BehaviourRow,
-)
+from onboard.records import EMERGENCY_INTERVENTION, MODE_HOLD, BehaviourRow
 from tests.nightly import A_FIFTH
 from tests.onboard.drive_along import START_M, TRACK_M, drive_along
 from tests.rows import Rows

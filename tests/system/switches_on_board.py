@@ -39,9 +39,7 @@ from onboard.plan import DutyPlan, PointsNeeded
 from onboard.records import EMERGENCY_INTERVENTION, PathData, UnitRow
 from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from onboard.vehicle import VehicleInputs
-from radio.messages import (
-    PointsCommand,
-)
+from radio.messages import PointsCommand
 from simulation.duties import Duties
 from simulation.setup import Setup, behaviour_rows
 from simulation.world.crew import Crew

@@ -11,9 +11,7 @@ from onboard.unit import OnboardUnit, Report, Telegram, UnitAnswer
 from radio import envelope as env
 from radio.envelope import DropReason, Envelope, Peer, header_of, kind_of
 from radio.keys import MAC_BYTES
-from radio.messages import (
-    HoldingReport,
-)
+from radio.messages import HoldingReport
 from simulation.world import radio as world_radio
 from tests.system.switchboard import switch
 

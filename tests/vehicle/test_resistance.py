@@ -2,12 +2,7 @@ import pytest
 
 from tests.rows import Rows
 from vehicle.mass import mass_kg
-from vehicle.resistance import (
-    curve_resistance_n,
-    gradient_force_n,
-    resistance_n,
-    running_resistance_n,
-)
+from vehicle.resistance import curve_resistance_n, gradient_force_n, resistance_n, running_resistance_n
 
 
 @pytest.mark.parametrize(
