@@ -35,7 +35,7 @@ def silence_stream(stream: TextIO) -> Generator[None]:
 
 
 SPOKEN_AFTER_S: Final = 2.0  # of compiling
-SILENT_S = 2.0  # after which a command says that it goes on
+SILENT_S = 1e9 if os.environ.get("BRANCHLINE_QUIET") else 2.0  # after which a command says that it goes on
 
 
 @dataclass(slots=True)

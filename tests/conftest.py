@@ -23,6 +23,7 @@ from study.runner.collector import MORE_OBJECTS
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 gc.set_threshold(MORE_OBJECTS)
+os.environ["BRANCHLINE_QUIET"] = "1"  # how long a command takes depends on the machine
 
 # No verdict depends on how fast the machine is, and the same examples are tried everywhere. Fixtures are shared by the
 # examples of a test: who changes one sets it anew. `make nightly` asks for the profile of many.
@@ -146,12 +147,6 @@ class Ended:
 def command() -> tuple[str, ...]:
     """What starts the program."""
     return (sys.executable, "-m", "branchline")
-
-
-@pytest.fixture(autouse=True, scope="session")
-def nobody_waits() -> None:
-    """Nobody waits for a command in this process: what it says is the same on any machine."""
-    vars(import_module("branchline.progress"))["SILENT_S"] = 3600.0
 
 
 @pytest.fixture(scope="session")
