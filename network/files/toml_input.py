@@ -119,6 +119,6 @@ def _input_error(file: str, detail: ErrorDetails, model: type[BaseModel]) -> Inp
         what = "a finite number" if detail["type"] == "finite_number" else what
         return InputError(file, key, value, f"{what} {range_text(node)}".rstrip())
     expected = detail["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
-    if detail["type"] == "string_type" and hasattr(value, "isoformat"):
+    if detail["type"] == "string_type" and hasattr(value, "isoformat"):  # a date or a time
         value, expected = str(value), f'"{value}", in quotes'
     return InputError(file, key, "a table" if isinstance(value, dict) else value, expected)

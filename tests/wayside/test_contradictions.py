@@ -79,6 +79,14 @@ def test_the_dispute_is_over_when_the_other_claims_less() -> None:
     assert desk.register.defined
 
 
+def test_whom_persons_had_outside_and_who_holds_nothing_is_outside_when_it_claims_no_more() -> None:
+    desk = defined(u1=("B", "C"))
+    desk.hear("u2", Claim(("C",), 0))
+    assert desk.standing("u2") is UnitStanding.DISPUTED
+    desk.hear("u2", Claim((), 0))
+    assert desk.standing("u2") is UnitStanding.OUTSIDE
+
+
 def test_a_unit_that_reports_more_than_the_register_has_is_asked_for_its_claim() -> None:
     """It stops at the answer, which has less; what it claims is added, or disputed."""
     desk = defined(u1=("B",), u2=("E",))

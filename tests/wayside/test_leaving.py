@@ -435,6 +435,8 @@ def test_what_a_person_said_wrongly_of_one_that_has_left_persons_can_put_right_t
     desk.hear("u1", Claim((), 0), epoch=2)
     assert desk.standing("u1") is UnitStanding.BY_HAND
     assert desk.kinds[0] is Contradicted
+    unit = desk.register.unit("u1")
+    assert (unit.claim, unit.leaves, unit.counted_out) == (None, False, False)
     for person in ("Sato", "Mori"):
         assert desk.register.holders == {"E": "u1", "P9": "u2"}
         desk.act(ConfirmOutside("u1", person, "P9"))
