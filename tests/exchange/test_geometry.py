@@ -357,7 +357,7 @@ TURNS_BACK = r"features is .140.01.*expected a track that does not turn back"
         ([*ALONG[:15], *BACK, *ALONG[16:]], TURNS_BACK),
         ([*ALONG[:15], ALONG[18], *ALONG[15:]], TURNS_BACK),
         ([*ALONG[:15], ALONG[16], ALONG[15], *ALONG[17:]], TURNS_BACK),
-        (ZIGZAG, "a track that an axis can be fitted to"),
+        (ZIGZAG[:9], "a track that an axis can be fitted to"),
     ],
     ids=["a spike", "a vertex too soon", "two vertices in the wrong order", "from side to side"],
 )
@@ -368,16 +368,16 @@ def test_a_track_that_turns_back_on_itself_is_refused_where_it_does(
     pytest.importorskip("pyproj")
     file = write(tmp_path, "polyline.json", polyline(track))
     with pytest.raises(InputError, match=message):
-        read_geometry(file, write(tmp_path, "stations.json", stations(ALONG[1], ALONG[29])))
+        read_geometry(file, write(tmp_path, "stations.json", stations(ALONG[1], ALONG[7])))
 
 
 def test_doubled_vertices_change_nothing(tmp_path: Path) -> None:
     pytest.importorskip("pyproj")
-    table = write(tmp_path, "stations.json", stations(ALONG[1], ALONG[29]))
-    doubled = [place for place in ALONG for _ in range(2)]
+    table = write(tmp_path, "stations.json", stations(ALONG[1], ALONG[9]))
+    doubled = [place for place in ALONG[:11] for _ in range(2)]
     once, twice = (
         read_geometry(write(tmp_path, f"{len(track)}.json", polyline(track)), table)
-        for track in (ALONG, doubled)
+        for track in (ALONG[:11], doubled)
     )
     assert once == twice
 
