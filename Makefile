@@ -14,9 +14,15 @@ LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.p
 
 install: $(STAMP)
 
+# By uv, in a third of pip's time; by pip where uv finds no index, as it does not read pip's settings.
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+define installed
+$(INSTALL) uv && $(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python -e '.[$(1)]' || $(INSTALL) -e '.[$(1)]'
+endef
+
 $(STAMP): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	$(call installed,dev)
 	touch $(STAMP)
 
 demo: install
@@ -41,7 +47,7 @@ test-interpreted:
 # The report in Chromium, which is installed with the system's packages where it is missing; frames a second are printed.
 browser: install
 	command -v chromium >/dev/null || command -v chromium-browser >/dev/null || (apt-get update && apt-get install -y --no-install-recommends chromium)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[browser]'
+	$(call installed,browser)
 	$(BIN)/python -m pytest tests/browser -m browser
 
 # What is too long for every change, many examples of what every run tries few of, and the laws as Python runs them,
