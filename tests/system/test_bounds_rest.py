@@ -1,4 +1,5 @@
-"""Bounds are judged in a run but while a faulty tachometer has made the position false (decision 004).
+"""Bounds are judged in a run but while a faulty tachometer has made the position false (decision 004), or the first tag
+after a boot, with which there is nothing to compare (decision 035).
 
 No other axle is shown here: with one the position is not false in the first place (decision 072, `test_two_axles`).
 """
@@ -39,18 +40,24 @@ def judged_s(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return times
 
 
-def run(tmp_path: Path, factor: float) -> FinishedRun:
-    file = tmp_path / "scale.toml"
-    file.write_text(
-        'extends = "rtri_test_line"\nid = "scale"\n'
-        f'[[fault]]\nkind = "scale"\ntarget = "K1"\nfactor = {factor}\nstart = "10:00:05"\nduration_s = {LASTS_S}\n'
-    )
+def run(tmp_path: Path, faults: str) -> FinishedRun:
+    file = tmp_path / "rests.toml"
+    file.write_text(f'extends = "rtri_test_line"\nid = "rests"\n{faults}')
     return run_on_plain(file)
+
+
+def scale(factor: float) -> str:
+    lasts = f'start = "10:00:05"\nduration_s = {LASTS_S}'
+    return f'[[fault]]\nkind = "scale"\ntarget = "K1"\nfactor = {factor}\n{lasts}\n'
+
+
+BOOT = '[[fault]]\nkind = "power_off"\ntarget = "K1"\nstart = "09:58:20"\nduration_s = 20.0\n'
+READS_AS_602 = '[[fault]]\nkind = "wrong_id"\ntarget = "601"\nid = 602\nstart = "09:50"\n'
 
 
 def test_they_rest_from_the_fault_to_the_first_tag_after_it(judged_s: list[float], tmp_path: Path) -> None:
     """Three per cent over the first 300 m is less than 10 m: the unit still believes the tag, and never notices."""
-    done = run(tmp_path, 0.97)
+    done = run(tmp_path, scale(0.97))
     tags_s = [e.t_s for e in done.result.journal.entries if isinstance(e.event, TagRead)]
     healed_s = BEGINS_S + LASTS_S
     told_anew_s = min(t_s for t_s in tags_s if t_s > healed_s)
@@ -63,7 +70,7 @@ def test_they_rest_from_the_fault_to_the_first_tag_after_it(judged_s: list[float
 def test_they_do_not_rest_for_a_fault_that_they_promise_to_cover(
     judged_s: list[float], tmp_path: Path
 ) -> None:
-    done = run(tmp_path, 0.99)
+    done = run(tmp_path, scale(0.99))
     assert sum(BEGINS_S < t_s < BEGINS_S + LASTS_S for t_s in judged_s) > 2
     assert done.result.violations == ()
 
@@ -72,4 +79,15 @@ def test_judged_without_a_rest_the_false_position_is_a_breach(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(FalsePositions, "is_false", lambda _self, _slot: False)
-    assert {v.checker for v in run(tmp_path, 0.9).result.violations} == {"within-bounds"}
+    assert {v.checker for v in run(tmp_path, scale(0.9)).result.violations} == {"within-bounds"}
+
+
+def test_they_rest_from_a_first_tag_that_lies_to_the_next_true_one(
+    judged_s: list[float], tmp_path: Path
+) -> None:
+    """Tag 602 lies 135 m before 601, so a unit that believes it is so far off, whatever it states."""
+    done = run(tmp_path, BOOT + READS_AS_602)
+    lie, true, *_ = [e.t_s for e in done.result.journal.entries if isinstance(e.event, TagRead)]
+    assert [t_s for t_s in judged_s if lie < t_s <= true] == []
+    assert max(judged_s) > true
+    assert done.result.violations == ()
