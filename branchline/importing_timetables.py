@@ -223,11 +223,14 @@ def _arranged(
     train_name = wanted.train or ""
     try:
         with needing_extra("plan", "--train"):
-            from plan.arranging.arrange import LIMIT_S, arranged_day
+            from plan.arranging.arrange import LIMIT_S, NoPlanError, arranged_day
         from vehicle.train_file import load_train, train_named
 
         train = load_train(train_named(train_name))
-        day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=going_on)
+        try:
+            day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=going_on)
+        except NoPlanError as why:
+            return imported, [f"not: {why}"]
     except InputError as why:
         return imported, [f"not, as of the source alone no plan is found: {why}"]
     if day.beyond:
