@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
@@ -246,7 +246,7 @@ def _arranged(
         )
         how = "" if wanted.out is None else f": branchline {shlex.join(command)}"
         return imported, [f"not, as the least that would do moves a printed time by {worst_s} s{how}"]
-    return replace(imported, file=day.file, timetable=day.timetable), [day.text]
+    return imported.arranged(day.file, day.timetable), [day.text]
 
 
 def _least(line: Line, train_name: str) -> tuple[Running, str]:
