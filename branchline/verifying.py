@@ -13,7 +13,7 @@ import typer
 
 from branchline.ending import end_with
 from branchline.options import Json, written_last
-from branchline.progress import print_aside
+from branchline.progress import going_on, print_aside
 
 if TYPE_CHECKING:
     from verify.crossing.explore import CrossingSpace
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 verify = typer.Typer(
     no_args_is_help=True, help="Prove the state machines safe on a small line, and check such proofs."
 )
-_TOLD_EVERY: Final = 10  # levels
 _TRAINS: Final = 2
 _MEGABYTE: Final = 1 << 20
 
@@ -274,6 +273,7 @@ def inside(
             continue
         for seed in range(first.setup.seed, first.setup.seed + seeds):
             day = load(name, seed) if seeds > 1 else first
+            going_on(f"{name}, seed {seed}")
             with restored(*(restore or [])):
                 broken += broken_in(day, watched_run(day, views, figures))
         print_aside(f"{name}: {figures.states} states, {sum(figures.outside.values())} outside")
@@ -398,7 +398,9 @@ def _verdict(broken: str, dead: int, *, complete: bool, collisions: bool) -> lis
 
 
 def _watch(level: Level) -> None:
-    if level.depth % _TOLD_EVERY == 0:
+    from verify.search import TOLD_EVERY
+
+    if level.depth % TOLD_EVERY == 0:
         print_aside(f"level {level.depth}: {level.distinct} states, {level.generated} generated")
 
 
