@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from branchline.ending import end, judged_outcome, print_json
+from branchline.ending import end, end_with, judged_outcome, print_json
 from branchline.options import Json
 from branchline.progress import going_on, print_aside
 
@@ -41,13 +41,19 @@ def arrange(
 ) -> None:
     """Make a published timetable work: arrivals, meets, tracks and sets, with printed times moved least.
 
-    Exit code 1 if a printed time has to be moved by more than --limit; it then says the least that would be enough.
+    Exit code 1 if there is no plan, or a printed time has to be moved by more than --limit; it then says the least
+    that would be enough.
     """
+    from plan.arranging.arrange import NoPlanError
     from plan.arranging.arrange import arrange as arranged_by_name
     from plan.arranging.files import checked_files, write_day
 
     checked_files(out, scenario)
-    day = arranged_by_name(line, timetable, train, limit, going_on)
+    try:
+        day = arranged_by_name(line, timetable, train, limit, going_on)
+    except NoPlanError as none:
+        lines = filter(None, (none.would_do, none.why))
+        end_with(none.as_dict(), lines, good=False, as_json=as_json)
     for path in write_day(day, line, train, out, scenario):
         print_aside(f"wrote {path}")
     outcome = judged_outcome(not day.beyond)

@@ -11,7 +11,7 @@ import typer
 from branchline.best_interval import ScenarioOut, new_day, write_answer
 from branchline.ending import end_with
 from branchline.extras import needing_extra
-from branchline.options import Json, ScenarioName
+from branchline.options import Json, ScenarioName, written_last
 from branchline.progress import print_aside
 
 if TYPE_CHECKING:
@@ -47,7 +47,9 @@ def equipment(
     proof: Annotated[
         Path | None,
         typer.Option(
-            "--proof", help="With --trains: file for the proof that nothing cheaper is enough (JSON)."
+            "--proof",
+            help="With --trains: file for the proof that nothing cheaper is enough (JSON).",
+            callback=written_last,
         ),
     ] = None,
     check: Annotated[

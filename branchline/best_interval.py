@@ -10,7 +10,7 @@ import typer
 
 from branchline.ending import end_with
 from branchline.extras import needing_extra
-from branchline.options import Json, ScenarioName
+from branchline.options import Json, ScenarioName, written_last
 from branchline.progress import print_aside
 
 if TYPE_CHECKING:
@@ -33,7 +33,10 @@ def interval(
     set_late: SetLate = False,
     out: ScenarioOut = None,
     proof: Annotated[
-        Path | None, typer.Option("--proof", help="Where the proof that no less does is written (JSON).")
+        Path | None,
+        typer.Option(
+            "--proof", help="Where the proof that no less does is written (JSON).", callback=written_last
+        ),
     ] = None,
     check: Annotated[
         Path | None,

@@ -11,7 +11,7 @@ import typer
 
 from branchline.best_interval import ScenarioOut, new_day, times_beside, write_extending
 from branchline.ending import end_with
-from branchline.options import Json, ScenarioName
+from branchline.options import Json, ScenarioName, written_last
 
 if TYPE_CHECKING:
     from network.model import Line
@@ -33,7 +33,11 @@ def roster(
     out: ScenarioOut = None,
     proof: Annotated[
         Path | None,
-        typer.Option("--proof", help="Where the certificate that fewer cannot do is written (JSON)."),
+        typer.Option(
+            "--proof",
+            help="Where the certificate that fewer cannot do is written (JSON).",
+            callback=written_last,
+        ),
     ] = None,
     check: Annotated[
         Path | None,

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from branchline.ending import end, judged_outcome, print_json
-from branchline.options import Json
+from branchline.options import Json, written_last
 from branchline.progress import print_aside
-from network.errors import InputError
 
 if TYPE_CHECKING:
     from study.capacity.compared import Compared
@@ -32,7 +31,9 @@ def blocking(
             "--theory", help="Compute from running times, without a run; for a run directory both, compared."
         ),
     ] = False,
-    out: Annotated[Path | None, typer.Option("--out", help="Write the table as CSV to this file.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Write the table as CSV to this file.", callback=written_last)
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Show blocking times (閉そく占有時分) by train and section, what they consist of, and conflicts.
@@ -48,8 +49,6 @@ def blocking(
     from study.plot.write import csv_of
     from study.record.read_back import RunRead
 
-    if out is not None and not out.parent.is_dir():  # told before a day is run for it
-        raise InputError("command line", "--out", out, "a file in a directory that exists")
     loaded = loaded_source(source)
     run_there = isinstance(loaded, RunRead)
     as_run = occupations_as_run(loaded, shown=True) if run_there or not theory else None

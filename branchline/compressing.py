@@ -72,7 +72,7 @@ def capacity(
     from branchline.sources import loaded_source, setup_of_source
     from study.capacity.equipment import worth_of
     from study.plot.choice import time_of
-    from study.record.directory import check_out, replacing_folder
+    from study.record.directory import asked_folder
     from study.report.capacity import FILES, write_occupation
 
     between_s = time_of("--from", from_time), time_of("--to", to_time)
@@ -81,16 +81,15 @@ def capacity(
     extended = None
     if out is not None and out.suffix == ".toml":
         extended = _extended(out, source, loaded)
-    elif out is not None:
-        check_out(out, FILES.__contains__, "capacity")
-    found = capacity_of(loaded, asked, progress=True)
-    by_cut, cuts, more, periods = found.by_cut, found.cuts, found.more, found.periods
-    worth = worth_of(setup_of_source(loaded)) if equipment else None
+    with asked_folder(None if extended else out, FILES.__contains__, "capacity") as folder:
+        found = capacity_of(loaded, asked, progress=True)
+        by_cut, cuts, more, periods = found.by_cut, found.cuts, found.more, found.periods
+        worth = worth_of(setup_of_source(loaded)) if equipment else None
+        if folder is not None:
+            write_occupation(folder, by_cut, worth)
     if out is not None and extended is not None:
         _write_more(out, *extended, found.more)
     elif out is not None:
-        with replacing_folder(out, FILES.__contains__, "capacity") as folder:
-            write_occupation(folder, by_cut, worth)
         print_aside(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
     if as_json:
         print_json(

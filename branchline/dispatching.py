@@ -9,7 +9,7 @@ import typer
 
 from branchline.ending import end_with
 from branchline.extras import needing_extra
-from branchline.options import Json, SolverWork
+from branchline.options import Json, SolverWork, written_last
 from branchline.progress import print_aside
 
 VERDICTS: Final = {"ORDER": "live", "NONE": "dead", "UNKNOWN": "unknown"}
@@ -17,7 +17,10 @@ VERDICTS: Final = {"ORDER": "live", "NONE": "dead", "UNKNOWN": "unknown"}
 
 def displib(
     instance: Annotated[Path, typer.Argument(help="Instance in the form of DISPLIB (JSON).")],
-    out: Annotated[Path | None, typer.Option("--out", help="Where the solution is written (JSON).")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", help="Where the solution is written (JSON).", callback=written_last),
+    ] = None,
     check: Annotated[
         Path | None,
         typer.Option(

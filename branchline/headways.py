@@ -52,25 +52,25 @@ def headway(
     """
     from branchline.questions import headways_of
     from branchline.sources import loaded_source
-    from study.record.directory import check_out, replacing_folder
+    from study.record.directory import asked_folder
     from study.report.headways import FILES, headway_table, write_headways
 
     if as_csv and as_json:
         raise InputError("command line", "--csv", None, "one of --csv and --json")
     if drive and out is not None:
         raise InputError("command line", "--drive", None, "--drive without --out")
-    if out is not None:
-        check_out(out, FILES.__contains__, "headways")
     if drive:
         scenario = undisturbed_scenario(source)
         cases = headways_of(scenario, station, theory=True)
         _print_driven(scenario, cases.cases, as_csv=as_csv, as_json=as_json)
         return
-    found = headways_of(loaded_source(source), station, theory=theory, progress=True)
-    shown = found.cases
-    if out is not None:
-        with replacing_folder(out, FILES.__contains__, "headways") as folder:
+    loaded = loaded_source(source)
+    with asked_folder(out, FILES.__contains__, "headways") as folder:
+        found = headways_of(loaded, station, theory=theory, progress=True)
+        shown = found.cases
+        if folder is not None:
             write_headways(folder, found.line, shown)
+    if out is not None:
         print_aside(f"wrote {', '.join(sorted(p.name for p in out.iterdir()))} in {out}")
     if as_json:
         print_json({"of": "theory" if theory else "run", "headways": [case.as_dict() for case in shown]})

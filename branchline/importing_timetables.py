@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
@@ -223,11 +223,14 @@ def _arranged(
     train_name = wanted.train or ""
     try:
         with needing_extra("plan", "--train"):
-            from plan.arranging.arrange import LIMIT_S, arranged_day
+            from plan.arranging.arrange import LIMIT_S, NoPlanError, arranged_day
         from vehicle.train_file import load_train, train_named
 
         train = load_train(train_named(train_name))
-        day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=going_on)
+        try:
+            day = arranged_day(line, imported.file, name, train, LIMIT_S, tell=going_on)
+        except NoPlanError as why:
+            return imported, [f"not: {why}"]
     except InputError as why:
         return imported, [f"not, as of the source alone no plan is found: {why}"]
     if day.beyond:
@@ -243,7 +246,7 @@ def _arranged(
         )
         how = "" if wanted.out is None else f": branchline {shlex.join(command)}"
         return imported, [f"not, as the least that would do moves a printed time by {worst_s} s{how}"]
-    return replace(imported, file=day.file, timetable=day.timetable), [day.text]
+    return imported.arranged(day.file, day.timetable), [day.text]
 
 
 def _least(line: Line, train_name: str) -> tuple[Running, str]:

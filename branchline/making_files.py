@@ -95,7 +95,10 @@ def new_timetable(
         seconds_of("command line", key, text, None)
         for key, text in (("--from", from_time), ("--to", to_time))
     ]
-    trains = made(line, train, Pattern(60 * every, *times_s), out, scenario)
-    print_aside(f"wrote {out}: {trains} trains")
+    day = made(line, train, Pattern(60 * every, *times_s), out, scenario)
+    print_aside(f"wrote {out}: {day.trains} trains, {day.sets} set{'s' if day.sets > 1 else ''}")
+    if day.tight:
+        places = f"{day.tight} place{'s' if day.tight > 1 else ''}"
+        print_aside(f"remark: no pattern was found that has room everywhere: this one is tight at {places}")
     if scenario is not None:
         print_aside(f"wrote {scenario}: `branchline run {scenario}`")

@@ -12,10 +12,20 @@ from branchline.ending import JSON_OPTION
 
 def _free(out: Path | None) -> Path | None:
     """Before anything is read: nothing stands there."""
-    from network.files.json_input import check_free
+    from network.files.json_input import check_free, check_place
 
     if out is not None:
         check_free(out)
+        check_place(out)
+    return out
+
+
+def written_last(param: typer.CallbackParam, out: Path | None) -> Path | None:
+    """Callback of a file that is written at the end: before anything is computed, it can be."""
+    from network.files.json_input import check_place
+
+    if out is not None:
+        check_place(out, param.opts[0])
     return out
 
 

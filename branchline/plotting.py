@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from branchline.ending import print_json
-from branchline.options import Json
+from branchline.options import Json, written_last
 from branchline.progress import print_aside
 from network.errors import InputError
 
@@ -34,7 +34,10 @@ def plot(
     ] = None,
     lang: Annotated[str, typer.Option("--lang", help="en or ja.")] = "en",
     out: Annotated[
-        Path | None, typer.Option("--out", help="File to write; default <kind>[-train][-station].<format>.")
+        Path | None,
+        typer.Option(
+            "--out", help="File to write; default <kind>[-train][-station].<format>.", callback=written_last
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

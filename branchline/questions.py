@@ -48,6 +48,10 @@ class LineHeadways:
     line: Line
     cases: tuple[HeadwayCase, ...]
 
+    def __repr__(self) -> str:
+        """In a notebook: how many of which line; `table` has them."""
+        return f"<{len(self.cases)} least headways of {self.line.id}>"
+
     @property
     def table(self) -> pl.DataFrame:
         """A row a headway: which section decides it, and what its seconds go into."""
@@ -110,6 +114,10 @@ class LineCapacity:
     by_cut: Mapping[str, Sequence[Rate]]
     periods: tuple[Period, ...]
     more: AddedTrains
+
+    def __repr__(self) -> str:
+        """In a notebook: its conclusion."""
+        return f"<{self.conclusion}>"
 
     @property
     def table(self) -> pl.DataFrame:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from hashlib import blake2b
 from pathlib import Path
@@ -26,7 +25,7 @@ from study.drilling.moving import single_faults, staffed, what_is_moved
 from study.drilling.outcome_class import expected_breaks
 from study.drilling.swept_rows import MadeOf, growing_rows
 from study.drilling.telegram_grid import FaultChoice, TelegramGrid, grid_of
-from study.record.directory import replacing_folder
+from study.record.directory import asked_folder
 from study.sweep.digest import code_digest, inputs_digest
 
 AT_TELEGRAMS: Final = "telegrams"
@@ -128,7 +127,7 @@ def _swept(
     made_of = MadeOf(_inputs_of(setup), code_digest(JUDGES))
     with (
         growing_rows(out, made_of, resume=asked.resume) as rows,
-        nullcontext() if out is None else replacing_folder(out, owns_file, "a sweep") as folder,
+        asked_folder(out, owns_file, "a sweep") as folder,
     ):
         with progress_of_runs(f"sweep of {scenario.id}") as progress:
             script = setup.script if beside else NOTHING

@@ -30,17 +30,18 @@ def running_times(
     """Show minimum running times (基準運転時分) by leg, train type and direction, and the margins of the timetable."""
     from scenario.scenario import load_scenario
     from study.measures.standard_times import planned_runs, standard_times
-    from study.record.directory import replacing_folder
+    from study.record.directory import asked_folder
     from study.report.running_times import FILES, write_running_times
 
     setup = load_scenario(scenario).setup
-    print_aside("computing the least running times")
-    times = standard_times(setup)
-    print_aside(f"comparing {len(setup.timetable.trains)} trains with them")
-    runs = planned_runs(setup)
-    if out is not None:
-        with replacing_folder(out, FILES.__contains__, "running times") as folder:
+    with asked_folder(out, FILES.__contains__, "running times") as folder:
+        print_aside("computing the least running times")
+        times = standard_times(setup)
+        print_aside(f"comparing {len(setup.timetable.trains)} trains with them")
+        runs = planned_runs(setup)
+        if folder is not None:
             write_running_times(folder, setup.line, times, runs)
+    if out is not None:
         print_aside(f"wrote {', '.join(sorted(FILES))} in {out}")
     if as_json:
         print_json({"legs": [t.as_dict() for t in times], "margins": [r.as_dict() for r in runs]})

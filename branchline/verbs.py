@@ -50,6 +50,10 @@ class CheckedPlan:
     scenario: Scenario
     found: Feasibility
 
+    def __repr__(self) -> str:
+        """In a notebook: the verdict."""
+        return f"<plan of {self.scenario.id}: {self.found.verdict}>"
+
     @property
     def good(self) -> bool:
         """Whether the plan can work."""
@@ -71,6 +75,11 @@ class OpenedRun:
     """A finished run: its directory, summary and tables. `read` has all else, its line and timetable among it."""
 
     read: RunRead
+
+    def __repr__(self) -> str:
+        """In a notebook: what it is of, where, and how it ended."""
+        broken = self.summary["broken"]
+        return f"<run of {self.summary['scenario']} in {self.directory}: {'; '.join(broken) or 'good'}>"
 
     @property
     def directory(self) -> Path:
@@ -118,6 +127,10 @@ class RunsCompared:
     """What differs between runs; the first is what the others are compared with."""
 
     found: Comparisons
+
+    def __repr__(self) -> str:
+        """In a notebook: what changed."""
+        return f"<{' '.join(self.verdict)}>"
 
     @property
     def verdict(self) -> tuple[str, ...]:
@@ -167,6 +180,10 @@ class SweptDays:
 
     state: SweepProgress
     report: Path
+
+    def __repr__(self) -> str:
+        """In a notebook: where its page is."""
+        return f"<sweep {self.report}: {'good' if self.good else 'not good'}>"
 
     @property
     def good(self) -> bool:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Final, NoReturn
 import typer
 
 from branchline.ending import end_with
-from branchline.options import Json
-from branchline.progress import print_aside
+from branchline.options import Json, written_last
+from branchline.progress import going_on, print_aside
 
 if TYPE_CHECKING:
     from verify.crossing.explore import CrossingSpace
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 verify = typer.Typer(
     no_args_is_help=True, help="Prove the state machines safe on a small line, and check such proofs."
 )
-_TOLD_EVERY: Final = 10  # levels
 _TRAINS: Final = 2
 _MEGABYTE: Final = 1 << 20
 
@@ -50,10 +49,17 @@ def explore(
     states: Annotated[int, typer.Option("--states", min=1, help="Stop after about so many states.")] = (
         200_000_000
     ),
-    out: Annotated[Path | None, typer.Option("--out", help="Where the certificate is written.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", help="Where the certificate is written.", callback=written_last),
+    ] = None,
     chart: Annotated[
         Path | None,
-        typer.Option("--chart", help="File for the way to a wrong state, as a sequence chart (Mermaid)."),
+        typer.Option(
+            "--chart",
+            help="File for the way to a wrong state, as a sequence chart (Mermaid).",
+            callback=written_last,
+        ),
     ] = None,
     drill: Annotated[
         Path | None,
@@ -81,6 +87,7 @@ def explore(
         if restore or collisions or out or chart or drill or trains != _TRAINS:
             raise InputError("--crossing", "", crossing, "with it no other option than --states and --json")
         _explore_crossing(crossing, config, states, as_json=as_json)
+    from network.files.json_input import write_aside
     from study.record.directory import check_out
     from verify.certificate import write
     from verify.evidence.story_drill import FILES, WHAT
@@ -109,7 +116,7 @@ def explore(
             figures |= more
             lines += told
     if chart is not None and found.chart:
-        chart.write_text(f"```mermaid\n{found.chart}```\n", "utf-8")
+        write_aside(chart, f"```mermaid\n{found.chart}```\n")
         lines.append(f"chart: {chart}")
     if out is not None and found.holds:
         digest = write(out, certificate_of(found))
@@ -208,15 +215,18 @@ def recount(
 
 @verify.command()
 def promela(
-    out: Annotated[Path, typer.Option("--out", help="Where the model is written.")] = Path("line.pml"),
+    out: Annotated[
+        Path, typer.Option("--out", help="Where the model is written.", callback=written_last)
+    ] = Path("line.pml"),
     as_json: Json = False,
 ) -> None:
     """Write the line without troubles as a model in Promela, for SPIN: spin -a; cc -DNOREDUCE -DSAFETY; pan -E."""
+    from network.files.json_input import write_aside
     from verify.explored_line import ExploredLine
     from verify.promela import model, walked
 
     composition, states = walked(ExploredLine())
-    out.write_text(model(composition), "utf-8")
+    write_aside(out, model(composition))
     figures = {"model": str(out), "states": len(states)}
     end_with(
         figures, [f"{out}: a model of {len(states)} states, by our own count"], good=True, as_json=as_json
@@ -263,6 +273,7 @@ def inside(
             continue
         for seed in range(first.setup.seed, first.setup.seed + seeds):
             day = load(name, seed) if seeds > 1 else first
+            going_on(f"{name}, seed {seed}")
             with restored(*(restore or [])):
                 broken += broken_in(day, watched_run(day, views, figures))
         print_aside(f"{name}: {figures.states} states, {sum(figures.outside.values())} outside")
@@ -387,7 +398,9 @@ def _verdict(broken: str, dead: int, *, complete: bool, collisions: bool) -> lis
 
 
 def _watch(level: Level) -> None:
-    if level.depth % _TOLD_EVERY == 0:
+    from verify.search import TOLD_EVERY
+
+    if level.depth % TOLD_EVERY == 0:
         print_aside(f"level {level.depth}: {level.distinct} states, {level.generated} generated")
 
 

@@ -64,7 +64,8 @@ class DayForecast:
             case Departs(station=station):
                 self._left(days, entry.who, station, entry.t_s)
             case (
-                said.Freed()
+                said.Accepted()
+                | said.Freed()
                 | said.Outside()
                 | said.Started()
                 | said.ConfirmedByHand()

@@ -6,7 +6,7 @@ Readers of foreign forms end here, so that what is said of stations, times and s
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -62,6 +62,12 @@ class ImportedTimetable:
     remarks: tuple[str, ...]
     warnings: tuple[str, ...]
     left: tuple[str, ...]
+    crowded: tuple[str, ...] = ()  # of the warnings those that an arranged plan answers
+
+    def arranged(self, file: TimetableFile, timetable: Timetable) -> ImportedTimetable:
+        """With a plan that works in place of the source's own."""
+        left = tuple(text for text in self.warnings if text not in self.crowded)
+        return replace(self, file=file, timetable=timetable, warnings=left, crowded=())
 
     @property
     def departures_alone(self) -> bool:
@@ -129,6 +135,7 @@ def import_timetable(published: PublishedTimetable, line: Line, order: ImportOrd
         onto.remarks,
         workings.warnings,
         published.left,
+        workings.crowded,
     )
 
 

@@ -234,7 +234,8 @@ def _assumed(
         "coverage: 1.5 km on either side of each station with tracks of its own, as the paper covers only the "
         "surroundings of stations"
     )
-    if any(crossing.row.kind != "4" for crossing in crossings):
+    if any(crossing.is_asked for crossing in crossings):
         yield "level crossings: asked by radio; times of the ministry's interpretation of article 62"
+        yield "coverage at level crossings: to either side as far as is run in a minute at the greatest speed"
     yield "tags: by the rule of network.tag_layout"
     yield from layout.assumed

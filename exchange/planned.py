@@ -45,7 +45,8 @@ class Workings:
     """How every train begins and ends, as timetable files write it, and the diagrams.
 
     `assumed` and `warnings` are sentences: what nobody has published, and what cannot work on these tracks. `tracks`
-    are those that sets must take, by (train number, index of its call), where the usual one would not do.
+    are those that sets must take, by (train number, index of its call), where the usual one would not do; `crowded` are
+    warnings of places that more sets want than have room, which an arranged plan answers.
     """
 
     begins: dict[str, str]
@@ -54,3 +55,4 @@ class Workings:
     assumed: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     tracks: Mapping[tuple[str, int], str] = field(default_factory=dict[tuple[str, int], str])
+    crowded: tuple[str, ...] = ()

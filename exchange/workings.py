@@ -2,9 +2,9 @@
 
 A set goes on as the train that a published link names. Elsewhere, at each place where trains end and begin, the set
 that has stood longest leaves first, after a least time for turning back (折返し). A train that comes from or goes
-beyond the line does so over a portal. So does, where a portal lies right behind the station, a train that ends with no
-room or no further work there; sets outside come back first in, first out. What is left begins and ends the day
-stabled (留置).
+beyond the line does so over a portal. So does, where a portal lies right behind the station, a set with no further work
+there, and one whose track the next train needs; sets outside come back first in, first out. What is left begins and
+ends the day stabled (留置).
 
 Every train is then in exactly one working, and a working goes on where, and not before, the train before it ended.
 """
@@ -99,14 +99,14 @@ def workings_of(
     _say_rules(day, published, turned)
     stands = tuple(_stands(day))
     day.assumed += _morning_and_evening(day, stands)
-    day.warnings += night_warnings(line, stands)
     tracks, conflicts = give_tracks(line, tuple(day.trains.values()), stands)
-    day.warnings += conflicts
+    crowded = (*night_warnings(line, stands), *conflicts)
+    day.warnings += crowded
     if tracks:
         day.assumed.append(
             "tracks: where sets stand over, the usual one of the direction, or else the first other that is free"
         )
-    return Workings(day.begins, day.ends, diagrams, tuple(day.assumed), tuple(day.warnings), tracks)
+    return Workings(day.begins, day.ends, diagrams, tuple(day.assumed), tuple(day.warnings), tracks, crowded)
 
 
 def begins_s(train: TrainOnLine) -> int:
@@ -210,7 +210,7 @@ def _no_link(day: _Day, before: str, after: str) -> str:
 
 @dataclass(slots=True)
 class _Turns:
-    """At one place: pairs of trains with one set, sets never called for, sets that found no room and have a portal.
+    """At one place: pairs of trains with one set, sets never called for, sets that make room and have a portal.
 
     `waited` are trains for which a set stood there, but had not stood long enough.
     """
@@ -273,10 +273,13 @@ def _first_in_first_out(day: _Day, station_id: str, gone: set[str]) -> _Turns:
             linked += day.ends[number].startswith("becomes:")
         elif number in gone:
             continue
-        elif len(turns.idle) + linked >= room and _portal_behind(day, station_id, number, entering=False):
-            turns.full.append(number)
         else:
             turns.idle.append(number)
+            # who comes needs a track too: of those that stand there, the one that leaves last makes room for it
+            before = turns.idle[-2] if len(turns.idle) > 1 else number
+            if len(turns.idle) + linked > room and _portal_behind(day, station_id, before, entering=False):
+                turns.idle.remove(before)
+                turns.full.append(before)
     return turns
 
 

@@ -7,7 +7,7 @@ a what-if. Whatever it leaves out has the defaults of its tables, which are assu
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
@@ -65,8 +65,8 @@ class Scenario:
     id: str
     name: str
     file: str
-    setup: Setup
-    inputs: Inputs
+    setup: Setup = field(repr=False)
+    inputs: Inputs = field(repr=False)
 
     @property
     def called(self) -> str:

@@ -14,6 +14,7 @@ from typing import Any, Final
 import msgspec
 
 from network.errors import InputError
+from network.files.json_input import write_bytes_aside
 from verify.explored_line import Budgets, ExploredLine
 
 FORMAT: Final = 1
@@ -72,9 +73,7 @@ def write(file: Path, certificate: Certificate) -> str:
     """Write it, aside first; returns the digest of the whole file's contents."""
     body = msgspec.msgpack.encode(certificate)
     digest = blake2b(body, digest_size=_DIGEST_BYTES).digest()
-    aside = file.with_name(file.name + ".part")
-    aside.write_bytes(digest + body)
-    aside.rename(file)
+    write_bytes_aside(file, digest + body)
     return digest.hex()
 
 

@@ -13,6 +13,7 @@ from verify.tables import Numbers
 Keys = NDArray[np.uint64]
 _INDEX_BITS: Final = np.uint64(32)
 _INDEX: Final = np.uint64((1 << 32) - 1)
+TOLD_EVERY: Final = 10  # levels, to people
 AT_ONCE: Final = 200_000  # states expanded at once: what a table of successors of them takes
 
 

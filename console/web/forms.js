@@ -92,14 +92,16 @@ export function actForm(welcome, words, ask, lead) {
     ...field(words.say("act", {}, "desk"), kindBox, "act-kind"), rest, element(document, "button", { type: "submit" }, words.say("Read back, then do it", {}, "desk")));
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    const act = { kind: PRESETS[kindBox.value]?.kind ?? kindBox.value };
+    const act = { kind: PRESETS[kindBox.value]?.kind ?? kindBox.value }, spoken = [actName(kindBox.value, words)];
     for (const node of rest.querySelectorAll("[id^=act-]")) {
       const name = node.id.slice(4);
-      if (name === "sections") act.sections = [...node.selectedOptions].map((option) => option.value);
-      else if (node.value !== "") act[name] = node.type === "number" ? Number(node.value) : node.value;
+      if (name === "sections") spoken.push(...(act.sections = [...node.selectedOptions].map((option) => option.value)));
+      else if (node.value !== "") {
+        act[name] = node.type === "number" ? Number(node.value) : node.value;
+        spoken.push(node.type === "number" ? `${node.previousElementSibling.textContent.trim()} ${node.value}${name.endsWith("_s") ? " s" : ""}` : node.value);
+      }
     }
-    const spoken = [actName(kindBox.value, words), act.target, ...(act.sections ?? []), act.position, act.behind, act.place, act.step, act.block, act.train, act.notch].filter(Boolean).join(" ");
-    readBack(form, words.say("Read back: {what}", { what: spoken }, "desk"), words, () => ask("act", { act }));
+    readBack(form, words.say("Read back: {what}", { what: spoken.join(" ") }, "desk"), words, () => ask("act", { act }));
   });
   return form;
 }

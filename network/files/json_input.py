@@ -49,6 +49,13 @@ def check_free(out_file: Path, option: str = "OUT") -> None:
         raise InputError(COMMAND_LINE, option, str(out_file), "a new file: this one exists already")
 
 
+def check_place(out_file: Path, option: str = "OUT") -> None:
+    """Of a file that is written once all is computed: InputError, before that, where it could not be."""
+    folder = out_file.parent
+    if out_file.is_dir() or not (folder.is_dir() and os.access(folder, os.W_OK)):
+        raise InputError(COMMAND_LINE, option, str(out_file), "a file in a folder that can be written")
+
+
 def write_aside(out_file: Path, text: str) -> None:
     """Write a file under another name, then rename it. Raises InputError where it cannot be written."""
     write_bytes_aside(out_file, text.encode("utf-8"))

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from network.errors import InputError
+from network.files.crossings import LONG_S
 from network.making.crossing_list import CrossingRow, ListedCrossings
 from network.making.layout import LaidSection, LineLayout
+from network.model import CrossingClass
 from network.units import metres
 
 _NO_ROAD: Final = ("points", "portal")
@@ -21,6 +23,15 @@ class LaidCrossing:
     id: str
     row: CrossingRow
     section: str
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether units ask it by radio: all but those without a device."""
+        return self.row.kind != CrossingClass.NO_DEVICE.value
+
+    def asked_m(self, speed_mps: float) -> tuple[float, float]:
+        """Its place, m, and from how far, m, at the greatest speed: before as long a warning as is not reported."""
+        return metres(self.row.km), speed_mps * LONG_S
 
 
 def laid_crossings(

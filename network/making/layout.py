@@ -9,7 +9,7 @@ shorter, down to what a train needs; where that is not enough either, the list i
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Final
@@ -209,13 +209,17 @@ def lay_out(
     return layout
 
 
-def coverage_m(layout: LineLayout) -> list[tuple[float, float]]:
-    """Where the radio reaches: around each station with tracks of its own, and over portals; overlaps joined."""
+def coverage_m(layout: LineLayout, roads: Iterable[tuple[float, float]] = ()) -> list[tuple[float, float]]:
+    """Where the radio reaches: around each station with tracks of its own, and over portals; overlaps joined.
+
+    `roads`: places of level crossings that are asked by radio, m, and how far from there.
+    """
     reach = [
         (station.place_m - COVERED_M, station.place_m + COVERED_M)
         for station in layout.stations
         if not station.listed.is_halt
     ]
+    reach += [(place_m - far_m, place_m + far_m) for place_m, far_m in roads]
     reach += [
         (s.from_m, s.to_m)
         for s in layout.sections

@@ -46,7 +46,7 @@ def line_toml(
     bare = "\n".join(
         [
             *_head(words),
-            *_alignment(alignment, layout),
+            *_alignment(alignment, layout, [c.asked_m(rule.max_speed_mps) for c in crossings if c.is_asked]),
             *_sections(layout),
             *_points(layout),
             *_joints(layout),
@@ -79,7 +79,7 @@ def _head(words: LineHeader) -> Iterable[str]:
             yield from (f"{key} = [", *(f"  {text_toml(text)}," for text in texts), "]")
 
 
-def _alignment(line: Alignment, layout: LineLayout) -> Iterable[str]:
+def _alignment(line: Alignment, layout: LineLayout, roads: Sequence[tuple[float, float]]) -> Iterable[str]:
     yield from ("", "[[alignments]]", f"id = {text_toml(line.id)}")
     yield f"from_km = {km_text(line.from_m)}"
     yield f"to_km = {km_text(line.to_m)}"
@@ -105,7 +105,7 @@ def _alignment(line: Alignment, layout: LineLayout) -> Iterable[str]:
             for x in line.limits
         ],
     )
-    yield from _table("coverage", [_range(low_m, high_m) for low_m, high_m in coverage_m(layout)])
+    yield from _table("coverage", [_range(low_m, high_m) for low_m, high_m in coverage_m(layout, roads)])
 
 
 def _directions(directions: Sequence[Direction]) -> str:

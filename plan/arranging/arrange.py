@@ -100,10 +100,29 @@ class ArrangedDay:
         }
 
 
+class NoPlanError(Exception):
+    """The search came to its end without a plan: an answer, and no bad input.
+
+    `lacking`: tracks with which there is one, and `would_do` a sentence of it.
+    """
+
+    def __init__(self, why: str, line: Line, lacking: MoreTracks | None) -> None:
+        self.why: Final = why
+        self.line: Final = line
+        self.lacking: Final = lacking
+        self.would_do: Final = "" if lacking is None else lacking_text(line, lacking)
+        super().__init__("; ".join(filter(None, (why, self.would_do))))
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        lacking = None if self.lacking is None else asdict(self.lacking)
+        return {"line": self.line.id, "why": self.why, "lacking": lacking}
+
+
 def arrange(
     line_name: str, timetable_name: str, train_name: str, limit_s: int, tell: Tell = tell_nobody
 ) -> ArrangedDay:
-    """The nearest plan to a timetable that works on a line with a kind of train. Raises InputError."""
+    """The nearest plan to a timetable that works on a line with a kind of train. Raises InputError, NoPlanError."""
     line_path = shipped_line(line_name)
     line = load_line(line_path)
     path = shipped_timetable(timetable_name)
@@ -154,10 +173,8 @@ def arranged_day(
     try:
         found = nearest_plan([draft.trains for draft in drafts], limit_s, halts, tell)
     except NothingFoundError as why:
-        expected = f"a day for which the line has room: {why}"
-        if why.lacking is not None:
-            expected += f"; {lacking_text(line, why.lacking)}"
-        raise InputError(name, "trains", len(file.trains), expected) from why
+        no_room = f"{name}: the line has no room for its {len(file.trains)} trains: {why}"
+        raise NoPlanError(no_room, line, why.lacking) from why
     draft, arranged = drafts[found.index], found.arranged
     beyond = tuple(move for move in arranged.moves if abs(move.by_s) > limit_s)
     sentences = tuple(_assumed(train, arranged, draft.empty))

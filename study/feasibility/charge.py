@@ -190,13 +190,30 @@ def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> 
     waits_s = None if charger is None else _waits_s(one, charger.power_w, needed_j)
     trains = (duty.train.number,)
     if waits_s is None:
-        remedy = "more charging before that"
+        remedy = _remedy(one, hops[at : at + reach.hops])
         return Finding(FindingKind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
     text = f"{text}: it charges there for {length_of_time(waits_s)} longer"
     severity = severity_of(waits_s, target.departure_s)
     return Finding(
         FindingKind.CHARGE, severity, trains, place, departs_s, text, "more charging before that", waits_s
     )
+
+
+def _remedy(one: _SetCharge, hops: Sequence[BatteryHop]) -> str:
+    """What helps a set that never has enough for these hops: charging it is not, once it is full."""
+    full = float(soc_of(one.battery)) >= float(one.battery["pack"]["soc_high"]) - 1e-6
+    most_kwh = float(available_j(one.battery)) / J_PER_KWH
+    parts = [
+        f"a greater battery, as it has {most_kwh:.1f} kWh when full" if full else "more charging before that"
+    ]
+    saves_j = sum(hop.saves_j for hop in hops)
+    if saves_j > 0.0:
+        where = max(hops, key=lambda hop: hop.saves_j).to_place
+        saves_kwh = (1.0 + one.rules.prediction_share) * saves_j / J_PER_KWH
+        parts.append(
+            f"a charger at {where} or a shorter stand there: {saves_kwh:.1f} kWh are for heating and cooling"
+        )
+    return "; ".join(parts)
 
 
 def _waits_s(one: _SetCharge, power_w: float, needed_j: float) -> float | None:

@@ -48,7 +48,7 @@ def feasibility(setup: Setup) -> Feasibility:
     meets = day_meets(day)
     met = {frozenset((meet.down_train, meet.up_train)): meet for meet in meets}
     # What a day in blocks knows nothing of:
-    beyond_blocks = [*passings_of(setup, day), *charge_of(setup, day)]
+    beyond_blocks = [*passings_of(setup, day), *charge_of(setup, day), *crossings_of(setup, day)]
     findings = [
         *_missing(setup, day),
         *_nowhere(day),
@@ -58,7 +58,6 @@ def feasibility(setup: Setup) -> Feasibility:
         *climbs_of(setup, day),
         *beyond_blocks,
         *equipment_of(setup, day),
-        *crossings_of(setup, day),
     ]
     paper = frozenset(frozenset(pair) for pair, found in pairs.items() if on_paper(found))
     sure = [f for f in findings if f.severity is Severity.IMPOSSIBLE and not _by_blocks(f, paper)]

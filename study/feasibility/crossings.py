@@ -18,13 +18,14 @@ from onboard.authority.coverage import covered_at
 from onboard.crossings.ahead import no_contact_passed
 from onboard.crossings.machine import EARLY_S
 from simulation.setup import Setup
-from study.feasibility.finding import Finding, FindingKind, Severity
-from study.feasibility.planned import PlannedDay, PlannedTrain
+from study.feasibility.finding import Finding, FindingKind, Severity, length_of_time, severity_of
+from study.feasibility.planned import PlannedDay, PlannedTrain, due_s
 
 STEP_M: Final = 1.0
 TOLERANCE_S: Final = 0.01
 LOOK_EVERY_M: Final = 20.0
 CROSSES_MPS: Final = 1.0  # assumed: somebody on foot, slowly
+STOP_S: Final = 120.0  # assumed: to brake, to come over the road on sight, to gain speed again
 LOOKS_ROUND_S: Final = 3.0  # assumed: before and after
 
 
@@ -63,7 +64,7 @@ def _of_direction(
         if crossing.warning_s > LONG_S:
             said = f"level crossing {crossing.id} warns for {crossing.warning_s:g} s"
             yield _finding(crossing, trains, Severity.TIGHT, said, f"{LONG_S:g} s are long", None)
-        yield from _radio(line, crossing, direction, trains)
+        yield from _radio(setup, line, crossing, direction, trains)
 
 
 def _unwarned(
@@ -78,7 +79,7 @@ def _unwarned(
         train for train in trains if no_contact_passed(crossing, train.duty.mission, before.get(train.number))
     ]
     if silent and crossing.warns_departures and setup.line_signals is None:
-        yield from _radio(day.line, crossing, direction, silent)
+        yield from _radio(setup, day.line, crossing, direction, silent)
         return
     places = dict.fromkeys(train.duty.mission.targets[0].section_id for train in silent)
     for place in places:
@@ -90,20 +91,46 @@ def _unwarned(
 
 
 def _radio(
-    line: Line, crossing: LevelCrossing, direction: Direction, trains: list[PlannedTrain]
+    setup: Setup, line: Line, crossing: LevelCrossing, direction: Direction, trains: list[PlannedTrain]
 ) -> Iterator[Finding]:
-    """Where the unit asks, hears and says that it is over it, the radio must reach: until then no proof holds."""
+    """Where the unit asks, hears and says that it is over it, the radio must reach: until then no proof holds.
+
+    Who stands before it waits for leave: what that takes the plan has to have over, or the train is late.
+    """
     path = trains[0].duty.mission.path
     road_m = path.to_road_m(crossing)
     asks_m = road_m - _way_m(line, crossing, direction, crossing.warning_s + EARLY_S)
     count = max(math.ceil((road_m - asks_m) / LOOK_EVERY_M), 1)
-    looked_m = [asks_m + (road_m - asks_m) * i / count for i in range(count + 1)]
-    dead_m = next((at_m for at_m in looked_m if at_m >= 0.0 and not covered_at(line, path, at_m)), None)
-    if dead_m is not None:
-        dead_km = path.kilometrage_m(dead_m) / 1e3
-        said = f"level crossing {crossing.id} is asked by radio, which does not reach at km {dead_km:.2f}"
-        remedy = f"coverage over the {road_m - asks_m:.0f} m before it, or its trains stop there"
+    steps_m = (asks_m + (road_m - asks_m) * i / count for i in range(count + 1))
+    looked_m = [at_m for at_m in steps_m if at_m >= 0.0]
+    dead_m = [at_m for at_m in looked_m if not covered_at(line, path, at_m)]
+    if not dead_m:
+        return
+    dead_km = path.kilometrage_m(dead_m[0]) / 1e3
+    said = f"level crossing {crossing.id} is asked by radio, which does not reach at km {dead_km:.2f}"
+    remedy = f"coverage over the {road_m - asks_m:.0f} m before it, or its trains stop there"
+    # a proof that is heard on the way holds for some time
+    short_s = {
+        train.number: _short_s(setup, train, crossing) for train in trains if len(dead_m) == len(looked_m)
+    }
+    late = [train for train in trains if severity_of(short_s.get(train.number, 0.0)) is Severity.LATE]
+    if late:
+        worst_s = max(short_s.values())
+        remedy += f", which makes them late by {length_of_time(worst_s)}"
+        yield _finding(crossing, late, Severity.LATE, said, remedy, worst_s)
+    else:
         yield _finding(crossing, trains, Severity.TIGHT, said, remedy, None)
+
+
+def _short_s(setup: Setup, train: PlannedTrain, crossing: LevelCrossing) -> float:
+    """What a stop before the road costs beyond what the plan has over the running time from stop to stop, s."""
+    road_m = train.duty.mission.path.to_road_m(crossing)
+    costs_s = setup.people.crossing_s + STOP_S
+    for before, there in pairwise(train.stands):
+        if before.target.mark_m < road_m <= there.target.mark_m:
+            has_s = due_s(there.target, setup.unit.dwell_min_s) - before.departs_s
+            return costs_s - max(has_s - there.run_s, 0.0)
+    return costs_s
 
 
 def _sight(

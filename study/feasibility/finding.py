@@ -164,6 +164,11 @@ class Feasibility:
         return not self.not_as_printed
 
     @property
+    def tight_places(self) -> int:
+        """At how many places a plan that runs as printed has no room."""
+        return len({f.place for f in self.of_severity(Severity.TIGHT)})
+
+    @property
     def verdict(self) -> str:
         """The plan in a word and a sentence."""
         if self.impossible:
@@ -171,7 +176,7 @@ class Feasibility:
         if not self.on_time:
             latest = max(self.not_as_printed, key=lambda f: (f.kind is FindingKind.LATE, f.short_s or 0.0))
             return f"late: it runs, but not as printed; {latest.text}"
-        places = len({f.place for f in self.findings})
+        places = self.tight_places
         return (
             f"tight: it runs as printed, without room at {places} place{'s' if places > 1 else ''}"
             if places

@@ -49,19 +49,21 @@ class Pattern:
     to_s: int
 
 
-def new_timetable(line_name: str, train_name: str, pattern: Pattern, out: Path, scenario: Path | None) -> int:
-    """Write a timetable, and a scenario that runs it if there is a path for it; the number of trains. InputError."""
+def new_timetable(
+    line_name: str, train_name: str, pattern: Pattern, out: Path, scenario: Path | None
+) -> PatternDay:
+    """Write a timetable, and a scenario that runs it if there is a path for it. InputError."""
     stem = checked_new(out)
     if scenario is not None:
         checked_new(scenario, "--scenario")
     _check(pattern)
     line = load_line(_file(line_name) or shipped_line(line_name))
     train = load_train(_file(train_name) or shipped_train(train_name))
-    trains, text = timetable_text(line, train, pattern, stem)
-    write_new(out, text)
+    day = timetable_day(line, train, pattern, stem)
+    write_new(out, day.text)
     if scenario is not None:
         write_scenario(scenario, line_name, out, train_name)
-    return trains
+    return day
 
 
 def write_scenario(file: Path, line_name: str, timetable: Path, train_name: str) -> None:
@@ -81,8 +83,11 @@ def _check(pattern: Pattern) -> None:
         raise InputError(COMMAND_LINE, "--to", clock(pattern.to_s), f"a time after {clock(pattern.from_s)}")
 
 
-def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) -> tuple[int, str]:
-    """How many trains, and the file. InputError where no even pattern of that interval can work on the line."""
+def timetable_day(line: Line, train: TrainType, pattern: Pattern, stem: str) -> PatternDay:
+    """The day with room everywhere, if there is one, by as little over the least running times as may be.
+
+    InputError where no even pattern of that interval can work on the line.
+    """
     times = standard_times(Setup(stem, line, no_trains(line, DWELL_S), {"": train}))
     legs = {d: [time for time in times if time.direction is d] for d in Direction}
     if not all(legs.values()):
@@ -92,16 +97,37 @@ def timetable_text(line: Line, train: TrainType, pattern: Pattern, stem: str) ->
     short = Pattern(
         pattern.every_s, pattern.from_s, min(pattern.to_s, pattern.from_s + FIRST_CYCLES * pattern.every_s)
     )
+    best: PatternDay | None = None
     for slack in SLACKS:
         for kinds in _kinds(line, legs):
-            for offset_s in _offsets(legs, kinds, slack, pattern.every_s):
-                day = PatternTrial(line, train, legs, kinds, slack, offset_s, stem)
-                if _text(day, short) is None:
-                    continue
-                text = _text(day, pattern)
-                if text is not None:
-                    return text
+            trials = (
+                PatternTrial(line, train, legs, kinds, slack, offset_s, stem)
+                for offset_s in _offsets(legs, kinds, slack, pattern.every_s)
+            )
+            for trial in _best_first(trials, short):
+                day = _day(trial, pattern)
+                if day is not None and (best is None or day.rank < best.rank):
+                    best = day
+                    break
+            if best is not None and not best.tight:
+                return best
+    if best is not None:
+        return best
     raise InputError(COMMAND_LINE, "--every", pattern.every_s // 60, _expected(line, legs, pattern))
+
+
+def _best_first(trials: Iterator[PatternTrial], short: Pattern) -> Iterator[PatternTrial]:
+    """Those that work on a short day, the best first; none after one with room everywhere and no set more."""
+    found: list[tuple[tuple[int, int], PatternTrial]] = []
+    for trial in trials:
+        day = _day(trial, short)
+        if day is None:
+            continue
+        found.append((day.rank, trial))
+        if not day.tight and day.sets <= min(sets for (_, sets), _ in found):
+            break
+    for _, trial in sorted(found, key=lambda one: one[0]):
+        yield trial
 
 
 def _expected(line: Line, legs: Legs, pattern: Pattern) -> str:
@@ -181,8 +207,23 @@ class PatternTrial:
     stem: str
 
 
-def _text(day: PatternTrial, pattern: Pattern) -> tuple[int, str] | None:
-    """How many trains, and the file; None where it cannot work."""
+@dataclass(frozen=True, slots=True)
+class PatternDay:
+    """A day of a pattern that works: how many trains and sets, at how many places it is tight, and its file."""
+
+    trains: int
+    sets: int
+    tight: int
+    text: str
+
+    @property
+    def rank(self) -> tuple[int, int]:
+        """Less is better."""
+        return self.tight, self.sets
+
+
+def _day(day: PatternTrial, pattern: Pattern) -> PatternDay | None:
+    """None where it cannot work."""
     line, train, stem = day.line, day.train, day.stem
     planned: list[TrainOnLine] = []
     for direction, first, begin_s in (
@@ -214,9 +255,10 @@ def _text(day: PatternTrial, pattern: Pattern) -> tuple[int, str] | None:
     except InputError:
         return None
     stock = dict.fromkeys((diagram.stock_id for diagram in timetable.diagrams), train)
-    if workings.warnings or not feasibility(Setup(stem, line, timetable, stock)).on_time:
+    found = feasibility(Setup(stem, line, timetable, stock))
+    if workings.warnings or not found.on_time:
         return None
-    return len(planned), _comments(pattern, line) + text
+    return PatternDay(len(planned), len(stock), found.tight_places, _comments(pattern, line) + text)
 
 
 def _comments(pattern: Pattern, line: Line) -> str:

@@ -70,6 +70,10 @@ _SENTENCES: Final[Mapping[Cause, Phrase]] = {
     Cause.POINTS_BY_EYE: phrase(
         "{train} waits {place} on sight until its crew sees points {points} lie as needed."
     ),
+    Cause.LEVEL_CROSSING: phrase(
+        "{train} waits {place} for level crossing {party} to be closed long enough, or for leave to creep over"
+        " it{since}{why}."
+    ),
     Cause.VEHICLE: phrase("{train} waits {place}: {reason}."),
     Cause.UNABLE: phrase("{train} stays {place}: it could not reach its next stop for want of {reason}."),
     Cause.EMERGENCY: phrase(

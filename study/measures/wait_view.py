@@ -6,18 +6,20 @@ Made again from its notes in the journal, in their order, and never asked of the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any, Final
+from typing import Any, Final, get_args
 
+from network.files.crossings import least_closed_s
 from network.model import Line
-from onboard import notes
+from onboard import crossing_notes, notes
 from radio.noted import Lost, LostWhere, Noted, Sent, TookEffect
 from simulation import events
 from simulation.clock import Clock
 from simulation.events import MANAGER, JournalEntry
 from simulation.world.roster import Duty, cut_at, ordered_by
+from study.measures.register_holds import is_of_crossing
 from study.record.wait import AwaitedRequest
 from wayside import said
 
@@ -54,6 +56,15 @@ class WaitingRequest:
     refusal: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class CrossingWait:
+    """A level crossing that was asked: since and from when proven, s, and why its proof was lost."""
+
+    since_s: float
+    proven_s: float = math.inf
+    lost: str = ""
+
+
 @dataclass(slots=True)
 class StockView:
     """The unit as its notes show it. `at`: the stop where it stands or that it left last; `ready_s`: the dwell ends."""
@@ -82,6 +93,7 @@ class StockView:
     proven: set[str] = field(default_factory=set[str])
     points_refused: dict[str, str] = field(default_factory=dict[str, str])
     crew_waits_at: str = ""
+    crossings: dict[str, CrossingWait] = field(default_factory=dict[str, CrossingWait])
     unfit: str = ""
     doors_until_s: float = -math.inf  # held open by people until then
     unable: str = ""  # why it may not leave its stop
@@ -111,6 +123,20 @@ class StockView:
         for since_s, wrong in self.clocks.values():
             clock = clock.wrong(wrong.get("offset_s", 0.0), wrong.get("drift_ppm", 0.0) * 1e-6, since_s)
         return clock.true_s(planned_s)
+
+    def crossing_ahead(self, here: tuple[str, float] | None, t_s: float) -> tuple[str, float]:
+        """The first level crossing on its way that was asked and is not closed for long enough, and until when, s."""
+        path = None if self.duty is None else self.duty.mission.path
+        if path is None or here is None or here[0] not in path:
+            return "", math.inf
+        found: list[tuple[float, str, float]] = []
+        for crossing_id, asked in self.crossings.items():
+            crossing = self.line.crossings[crossing_id]
+            until_s = asked.proven_s + least_closed_s(crossing)
+            if crossing.piece_id in path and t_s < until_s:
+                found.append((path.to_road_m(crossing) - path.to_path_m(*here), crossing_id, until_s))
+        _, crossing_id, until_s = min((one for one in found if one[0] > 0.0), default=(0.0, "", math.inf))
+        return crossing_id, until_s
 
     def take(self, entry: JournalEntry) -> None:
         """A line of the journal that the unit wrote, or that names it."""
@@ -153,6 +179,7 @@ def _restarted(view: StockView, t_s: float, _event: notes.UnitRestarted) -> None
     view.doing, view.signed_on, view.mismatch = DutyStage.ON_SIGHT, False, ""
     view.emergency, view.unable = True, ""
     view.requests.clear()
+    view.crossings.clear()
     view.ready_s = t_s
 
 
@@ -307,6 +334,20 @@ def _throw_denied(view: StockView, _t_s: float, event: notes.ThrowDenied) -> Non
     view.points_refused[event.points_id] = event.why
 
 
+def _crossing(view: StockView, t_s: float, event: crossing_notes.CrossingNote) -> None:
+    """Asked, it has to prove closed, or the driver to get leave."""
+    match event:
+        case crossing_notes.CrossingAsked():
+            view.crossings[event.crossing_id] = CrossingWait(t_s)
+        case crossing_notes.CrossingHeardClosed() | crossing_notes.CrossingHeardClear():
+            asked = view.crossings.get(event.crossing_id, CrossingWait(t_s))
+            view.crossings[event.crossing_id] = replace(asked, proven_s=t_s)
+        case crossing_notes.CrossingProofLost():
+            view.crossings[event.crossing_id] = CrossingWait(t_s, lost=event.why.value)
+        case _:
+            view.crossings.pop(event.crossing_id, None)
+
+
 def _fault(view: StockView, t_s: float, event: events.FaultBegan) -> None:
     if event.kind == "frozen":
         view.frozen = True
@@ -365,6 +406,7 @@ _READERS: Final[Mapping[type[Noted], Callable[[StockView, float, Any], None]]] =
     notes.ThrowDenied: _throw_denied,
     notes.CrewWaitsAtPoints: lambda view, _t_s, event: setattr(view, "crew_waits_at", event.points_id),
     notes.CrewCheckedPoints: _set(crew_waits_at=""),
+    **dict.fromkeys(get_args(crossing_notes.CrossingNote), _crossing),
     Sent: _sent,
     Lost: _set(cable_cut=True),
     TookEffect: _took_effect,
@@ -399,3 +441,13 @@ def subject_of(entry: JournalEntry) -> str:
             return unit
         case _:
             return entry.who
+
+
+def by_unit(entries: Iterable[JournalEntry], into: dict[str, list[JournalEntry]]) -> Iterator[JournalEntry]:
+    """Passes entries on, and sorts them by the unit whose view they may change."""
+    for entry in entries:
+        sections = not is_of_crossing(entry.event)
+        if sections or isinstance(entry.event, crossing_notes.CrossingNote):
+            into[subject_of(entry)].append(entry)
+        if sections:
+            yield entry

@@ -24,10 +24,10 @@ from simulation.events import MANAGER, JournalEntry
 from simulation.result import EnergyPhase, RunResult
 from simulation.setup import STEPS_PER_S, Setup
 from simulation.world.roster import Duty, drawn_up
-from study.measures.register_holds import SectionHold, is_of_crossing
+from study.measures.register_holds import SectionHold
 from study.measures.stretches import DayStretch, stretches
 from study.measures.wait_history import RegisterHistory
-from study.measures.wait_view import DutyStage, StockView, WaitingRequest, subject_of
+from study.measures.wait_view import DutyStage, StockView, WaitingRequest, by_unit
 from study.measures.where import Whereabouts
 from study.record.wait import AwaitedRequest, Cause, Wait
 
@@ -51,7 +51,7 @@ def waits_of(result: RunResult, setup: Setup, holds: Iterable[SectionHold]) -> t
     """All waits of a run, by stock and time; those of one stock cover the run without gap or overlap."""
     drawn = drawn_up(setup, setup.line)
     entries: dict[str, list[JournalEntry]] = defaultdict(list)
-    history = RegisterHistory(_by_unit(result.journal.entries, entries), holds)
+    history = RegisterHistory(by_unit(result.journal.entries, entries), holds)
     where = Whereabouts(result)
     found: list[Wait] = []
 
@@ -65,14 +65,6 @@ def waits_of(result: RunResult, setup: Setup, holds: Iterable[SectionHold]) -> t
         finder = _Finder(setup, view, history, where, as_run)
         found += finder.day(days, entries[unit])
     return tuple(found)
-
-
-def _by_unit(entries: Iterable[JournalEntry], into: dict[str, list[JournalEntry]]) -> Iterator[JournalEntry]:
-    """Passes entries on, and sorts them by the unit whose view they may change."""
-    for entry in entries:
-        if not is_of_crossing(entry.event):
-            into[subject_of(entry)].append(entry)
-            yield entry
 
 
 class _Finder:
@@ -290,9 +282,18 @@ class _Finder:
     def _held_up(self, t_s: float) -> tuple[Wait, float]:
         """Has left its stop and stands: it just starts, or its stop limit holds it."""
         stands_at_stop = self._stretch.phase in AT_ITS_STOP
-        if stands_at_stop or not self._limit_is_near(t_s):
+        if stands_at_stop:
             return self._make(Cause.STARTING), math.inf
-        return self._way_ahead(t_s)
+        return self._way_ahead(t_s) if self._limit_is_near(t_s) else self._starts(t_s)
+
+    def _starts(self, t_s: float) -> tuple[Wait, float]:
+        """Its way is free: it starts, but for a level crossing ahead."""
+        crossing, until_s = self._view.crossing_ahead(self._here(t_s), t_s)
+        if not crossing:
+            return self._make(Cause.STARTING), math.inf
+        asked = self._view.crossings[crossing]
+        wait = self._make(Cause.LEVEL_CROSSING)
+        return replace(wait, party=crossing, since_s=asked.since_s, reason=asked.lost), until_s
 
     def _on_sight(self, t_s: float) -> tuple[Wait, float]:
         view = self._view
@@ -318,7 +319,7 @@ class _Finder:
         view = self._view
         if view.limit_why == NOT_PROVEN and view.limit_before is not None:
             missing = self._points_missing(view.limit_before)
-            return self._points(t_s, missing) if missing else (self._make(Cause.STARTING), math.inf)
+            return self._points(t_s, missing) if missing else self._starts(t_s)
         if AwaitedRequest.ROUTE in view.requests:
             return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
         if view.set_back:
@@ -326,7 +327,7 @@ class _Finder:
         if AwaitedRequest.REPORT in view.requests:
             return self._request(AwaitedRequest.REPORT, t_s)
         if view.limit_before is None:
-            return self._make(Cause.STARTING), math.inf
+            return self._starts(t_s)
         return self._request(AwaitedRequest.ROUTE, t_s, self._route_sections(view.limit_before))
 
     def _route_sections(self, before: str | None) -> tuple[str, ...]:
@@ -434,7 +435,7 @@ class _Finder:
         while at_s < ends_s:
             why, until_s = self._way_ahead(at_s)
             next_s = min(ends_s, until_s) if until_s > at_s else ends_s
-            reason = "" if why.cause is Cause.STARTING else why.cause.value
+            reason = "" if why.cause in {Cause.STARTING, Cause.LEVEL_CROSSING} else why.cause.value
             at_m = None if self._view.limit_at is None else self._view.limit_at[1]
             section = self._view.limit_before or ""
             what = replace(why, cause=Cause.STOP_LIMIT, section=section, place="", at_m=at_m, reason=reason)

@@ -55,6 +55,7 @@ CAUSE_COLOURS: Final[Mapping[Cause, str]] = {
     Cause.POINTS_REFUSED: "#0b5a8a",
     Cause.POINTS_PROOF: "#2f8fc4",
     Cause.POINTS_BY_EYE: "#173f5f",
+    Cause.LEVEL_CROSSING: "#f06fa0",
     Cause.VEHICLE: "#a0568a",
     Cause.UNABLE: "#cc79a7",
     Cause.EMERGENCY: "#b3261e",

@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Final
@@ -99,6 +99,15 @@ def replacing_folder(
     with made_folder(out.parent, out), _beside(out) as aside:
         yield aside / "new"
         _put(aside, out)
+
+
+@contextmanager
+def asked_folder(
+    out: Path | None, owns: Callable[[str], bool] = RUN_FILES.__contains__, what: str = "a run"
+) -> Generator[Path | None]:
+    """The same where a folder is asked for. What is computed for it belongs in the context: a bad one is told first."""
+    with nullcontext() if out is None else replacing_folder(out, owns, what) as folder:
+        yield folder
 
 
 class Reserved:

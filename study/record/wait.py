@@ -34,6 +34,9 @@ class Cause(StrEnum):
     POINTS_REFUSED = "points refused"
     POINTS_PROOF = "points proof"  # no proof from the terminal yet
     POINTS_BY_EYE = "points by eye"  # on sight, its crew waits until they lie as needed
+    LEVEL_CROSSING = (
+        "level crossing"  # one ahead has not proved closed, nor has its driver leave to creep over it
+    )
     VEHICLE = "vehicle"  # doors or brake
     UNABLE = "unable"  # by its own prediction it cannot reach its next stop
     EMERGENCY = "emergency"  # the emergency brake is to be acknowledged
@@ -73,9 +76,9 @@ class Wait:
 
     `train` is its train number, before its first train that one. `place` is the station where it stands, else the
     section that holds it up; `at_m` the kilometrage of its front. `party` is who is waited for: the stock that has
-    `section` (and its train then), the manager, a terminal. `since_s`: since when that party has the section, or since
-    when the request is open. `until_s`: when it ends or should (release, departure, dwell, entry); None where
-    nobody knows. `reason` is a word of the refusal, fault or contradiction.
+    `section` (and its train then), the manager, a terminal, a level crossing. `since_s`: since when that party has the
+    section, or since when the request is open. `until_s`: when it ends or should (release, departure, dwell, entry);
+    None where nobody knows. `reason` is a word of the refusal, fault or contradiction.
     """
 
     unit: str

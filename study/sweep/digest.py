@@ -54,9 +54,14 @@ def inputs_digest(setup: Setup) -> str:
 @cache
 def code_digest(*beside: str) -> str:
     """Digest of the code that decides how a day goes, and of what else decides a result."""
+    return digest_of(*CODE, *beside)
+
+
+def digest_of(*places: str) -> str:
+    """Digest of the code in some packages and files, by their paths in the project."""
     root = Path(str(files("study"))).parent
     found = blake2b(digest_size=HASH_BYTES)
-    for name in (*CODE, *beside):
+    for name in places:
         place = root / name
         for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
             if path.is_file():

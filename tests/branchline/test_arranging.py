@@ -319,11 +319,15 @@ def test_what_is_exported_as_displib_is_counted_alike_in_text_and_json(main: Cal
 
 def test_tracks_that_would_do_are_named(main: Callable[..., Any], tmp_path: Path) -> None:
     # Two sets begin at Kido and end at Asa; no station has more than one track.
-    found = _day_at_kido(main, tmp_path, "".join(AT_KIDO[:2]), tracks=1, ends=1)()
-    assert found.code == 2
-    assert "Kido had 1 more track" in found.err
-    assert "Asa had 1 more track" in found.err
-    assert "no printed time would be moved, on tracks as quick as those that are there" in found.err
+    asked = _day_at_kido(main, tmp_path, "".join(AT_KIDO[:2]), tracks=1, ends=1)
+    found = asked("made.toml", "--scenario", "run.toml")
+    assert found.code == 1, "the search came to its end: that there is no plan is its answer"
+    assert "Kido had 1 more track" in found.out
+    assert "Asa had 1 more track" in found.out
+    assert "no printed time would be moved, on tracks as quick as those that are there" in found.out
+    assert "the line has no room for its 2 trains" in found.out
+    assert asked("--json").figures()["lacking"]["by_station"] == {"ASA": 1, "KID": 1}
+    assert not list(tmp_path.glob("made.toml")) + list(tmp_path.glob("run.toml"))
 
 
 def test_the_halt_where_trains_could_meet_is_named(main: Callable[..., Any], tmp_path: Path) -> None:

@@ -217,3 +217,24 @@ def test_a_train_that_there_is_not_or_without_a_line_is_refused(
     ended = main("import", "mini-tokyo", departing(tmp_path), *options)
     assert ended.code == 2
     assert message in ended.err
+
+
+def test_a_place_that_is_too_full_is_no_warning_of_a_plan_that_gives_it_room(
+    main: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Two sets at Naka's two tracks from the morning, and a train that runs through; one set is brought there later."""
+    (tmp_path / "ura.csv").write_text("name,km,tracks,kind\nUra,0,2,\nNaka,6,2,\nSaki,12,2,\n", "utf-8")
+    assert main("new", "line", "ura.csv", "ura.toml").code == 0
+    rows: list[dict[str, Any]] = []
+    for number, way, calls in (
+        ("1", "Outbound", [("Ura", "d", "05:30"), ("Naka", "d", "05:38"), ("Saki", "a", "05:46")]),
+        ("5", "Outbound", [("Naka", "d", "08:00"), ("Saki", "a", "08:08")]),
+        ("6", "Inbound", [("Naka", "d", "08:30"), ("Ura", "a", "08:38")]),
+    ):
+        times = [{"s": f"U.U.{name}", key: at} for name, key, at in calls]
+        rows.append({"id": f"U.{number}.Weekday", "n": number, "d": way, "tt": times})
+    (tmp_path / "ura.json").write_text(json.dumps(rows), encoding="utf-8")
+    asked = ("import", "mini-tokyo", "ura.json", "--line", "ura.toml")
+    assert "warning: Naka has no free track for 1 at 05:37" in main(*asked).out
+    ended = main(*asked, "--train", "br642")
+    assert ("arranged: printed" in ended.out, "warning" in ended.out) == (True, False), ended

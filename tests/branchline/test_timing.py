@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
 from rich.cells import cell_len
 
 
@@ -42,3 +43,30 @@ def test_columns_stand_below_each_other_and_an_interval_that_is_too_short_is_no_
     every = ("new", "timetable", "t.toml", "--line", "two.toml", "--every")
     assert "expected a longer interval; 35 minutes are enough for one set" in main(*every, "10").err
     assert main(*every, "20").code == 0
+
+
+@pytest.mark.parametrize(
+    ("asked", "option"),
+    [
+        (("running-times", "karasuyama_weekday"), "--out"),
+        (("headway", "karasuyama_weekday", "--theory"), "--out"),
+        (("capacity", "karasuyama_weekday", "--theory"), "--out"),
+        (("blocking", "karasuyama_weekday", "--theory"), "--out"),
+        (("best", "interval", "karasuyama_weekday"), "--proof"),
+        (("best", "roster", "karasuyama_weekday"), "--proof"),
+        (("best", "equipment", "karasuyama_weekday"), "--proof"),
+        (("verify", "explore", "0/0/0/0"), "--out"),
+        (("verify", "explore", "0/0/0/0"), "--chart"),
+        (("verify", "promela"), "--out"),
+        (("import", "mini-tokyo", "source.json"), ""),
+    ],
+)
+def test_a_place_that_cannot_be_written_is_told_before_anything_is_computed(
+    main: Callable[..., Any], tmp_path: Path, asked: tuple[str, ...], option: str
+) -> None:
+    """Below a file there is no folder; whatever is computed says so on stderr, or is what reads the source."""
+    (tmp_path / "file").write_text("", "utf-8")
+    ended = main(*asked, *filter(None, (option, "file/out.csv")))
+    assert (ended.code, ended.err.count("\n")) == (2, 1), ended
+    assert f"{option or 'OUT'} is 'file/out.csv'" in ended.err
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

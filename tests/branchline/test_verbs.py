@@ -165,6 +165,9 @@ def test_questions_are_answered_as_by_the_commands(
     assert full.table["occupancy_percent"].to_list() == [part["occupancy_percent"] for part in cut["parts"]]
     assert full.picture()._repr_png_().startswith(PNG)
     plan = branchline.check(VALLEY)
+    shown = (run, plan, full, found, branchline.load(VALLEY), branchline.compare(run, run))
+    assert all(len(repr(one)) < 500 for one in shown), "a notebook shows what a cell ends with"
+    assert repr(plan) == f"<plan of valley_day: {plan.found.verdict}>"
     assert plan.good and plan.meets["station"].to_list() == ["MRI"]
 
 

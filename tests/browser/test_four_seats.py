@@ -219,3 +219,16 @@ def test_a_run_is_looked_at_again_with_a_slider(browser: Any, tmp_path: Path) ->
         page.shows(".answer", "done")
         expect(page.page.locator("#clock")).to_contain_text(EARLIER, timeout=WAIT_MS)
         assert page.said == []
+
+
+def test_all_of_an_act_is_read_back(browser: Any, address: str) -> None:  # noqa: ANN401
+    """For how long a train is held too, and behind which other."""
+    seat = Seated(browser, address, "dispatcher", "en")
+    seat.page.select_option("#act-kind", "hold_train")
+    seat.page.select_option("#act-target", "V2")
+    seat.page.fill("#act-hold_s", "420")
+    seat.page.select_option("#act-behind", "V3")
+    seat.page.locator("#act-form button[type=submit]").click()
+    said = seat.page.locator("#act-form [role=group]").inner_text()
+    assert "hold train V2 hold 420 s V3" in said
+    seat.page.close()

@@ -1,10 +1,11 @@
 """What the desk lists of what is said again and again."""
 
+from console.forecast import DayForecast
 from console.line_seen import LineSeen
-from onboard.notes import Arrived, MissionBegun, SignOnDenied
+from onboard.notes import Arrived, Departs, MissionBegun, SignOnDenied
 from scenario.scenario import load_scenario
 from simulation.events import MANAGER, Acted, Event, JournalEntry
-from wayside.said import Granted, Refused
+from wayside.said import Accepted, Granted, Refused
 
 HELD = Refused(unit_id="K1", section_ids=("8",), other_id="K2", why="HELD")
 UNDEFINED = Refused(unit_id="K1", why="UNDEFINED")
@@ -67,3 +68,22 @@ def test_how_late_a_train_was_is_not_said_of_the_next_of_its_set() -> None:
     assert late_s(Arrived(station="B", error_m=0.0)) == [300.0]
     assert late_s(MissionBegun(train="T1", direction="down")) == [300.0]  # its unit has begun again
     assert late_s(MissionBegun(train="T3", direction="down")) == [None]
+
+
+def test_the_forecast_knows_where_a_train_began_that_signed_on_where_it_stands() -> None:
+    """T1 stands at A from the morning, has its route at 09:59:55 and leaves to time: it is due at B as printed."""
+    setup = load_scenario("rtri_test_line").setup
+    calls = setup.timetable.trains["T1"].calls
+    leaves_s, due_s = float(calls[0].departure_s or 0), float(calls[-1].arrival_s or 0)
+    forecast = DayForecast(setup)
+    line = LineSeen(setup, forecast)
+    stands = Accepted(unit_id="K1", section_ids=("3",), token=1, was="unknown")
+    route = Granted(unit_id="K1", section_ids=("5", "6", "7", "8"), token=2, route_id="3>8")
+    for t_s, who, event in (
+        (leaves_s - 600.0, MANAGER, stands),
+        (leaves_s - 5.0, MANAGER, route),
+        (leaves_s, "K1", Departs(station="A")),
+    ):
+        line.see(JournalEntry(t_s, who, event))
+    (train,) = (one for one in line.forecast(leaves_s + 60.0) if one.train == "T1")
+    assert train.times_s[0] == due_s

@@ -231,10 +231,10 @@ def test_a_set_that_finds_no_room_goes_beyond_the_portal_and_comes_back() -> Non
     trains = [minutes(str(i), "B", "A", i, i + 10) for i in range(3)]
     trains += [minutes(f"{i}D", "A", "B", 60 + i, 80 + i) for i in range(3)]
     got = workings_of(trains, SAMPLE)
-    # two tracks at A: the third set leaves, and is back for the third departure
-    assert [got.ends[str(i)] for i in range(3)] == ["becomes:0D", "becomes:1D", "portal:P"]
+    # two tracks at A: for the third set to come in the second has to leave; it is back for the third departure
+    assert [got.ends[str(i)] for i in range(3)] == ["becomes:0D", "portal:P", "becomes:1D"]
     assert got.begins["2D"] == "portal:P"
-    assert [w.numbers for w in got.diagrams if "2" in w.numbers] == [("2", "2D")]
+    assert [w.numbers for w in got.diagrams if "1" in w.numbers] == [("1", "2D")]
     assert any("3 sets stand at Bessho before the first train" in text for text in got.warnings)
 
 

@@ -54,6 +54,7 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     ),
     r"vehicle: ": (Cause.VEHICLE,),
     r"what takes it to ": (Cause.UNABLE,),
+    r"level crossing .* to be proved closed": (Cause.LEVEL_CROSSING, *BEFORE_ITS_TIME, *ABNORMAL),
     r"release of the emergency brake": (Cause.EMERGENCY, Cause.VEHICLE),
     r"the driver's (confirmation|word)": (
         Cause.ARRIVAL_BY_EYE,
@@ -63,7 +64,11 @@ AGREES: Mapping[str, tuple[Cause, ...]] = {
     ),
     r"the block manager's confirmation": (Cause.ANSWER, *BEFORE_ITS_TIME),
     r"the end of the hold on its route": (Cause.SET_BACK, Cause.RUNS),
-    r"its run to ": (*ON_LINE_UNIT, Cause.EMERGENCY),
+    r"its run to ": (
+        *ON_LINE_UNIT,
+        Cause.EMERGENCY,
+        Cause.LEVEL_CROSSING,
+    ),  # the last while its brakes release
     r"a tag or another fix: its position is unknown": (*ON_SIGHT, *BEFORE_ITS_TIME, Cause.EMERGENCY),
     r"the track ahead: ": (*ON_SIGHT, Cause.ANSWER),
     r"its crew to enter the train number": (Cause.NUMBER,),
@@ -131,6 +136,13 @@ DRILLS = (
     "rtri/95_substitute_working",
     "shigaraki/01_as_it_was",
     "karasuyama/28_unit_restart_out_of_coverage",
+    "rtri/102_crossing_link",
+    "rtri/103_crossing_barriers_stuck",
+    "rtri/104_crossing_undetected",
+    "rtri/105_crossing_asked_late",
+    "rtri/109_crossing_obstacle",
+    "rtri/114_crossing_guarded",
+    "rtri/120_crossing_departure",
 )
 SHIPPED = (
     "rtri_test_line",
@@ -149,6 +161,7 @@ EVERY_RUN = (  # whose waits are looked at below besides
     "rtri/52_unit_frozen",
     "rtri/53_word_without_a_place",
     "rtri/92_ends_early",
+    "rtri/103_crossing_barriers_stuck",
     "rtri_test_line",
 )
 EVERY = pytest.mark.parametrize("name", others_nightly((*DRILLS, *SHIPPED), EVERY_RUN))
@@ -278,3 +291,15 @@ def test_an_emergency_stop_is_over_when_its_driver_has_acknowledged_it() -> None
     assert stands
     assert all(length_s(wait) <= release_s + 1.0 for wait in stands)
     assert max(map(length_s, stands)) > release_s / 3.0
+
+
+def test_a_train_before_a_level_crossing_is_not_about_to_start() -> None:
+    """The barriers stay up until 10:01, and T1 stands before them; 15 s later they are down, for 15 s at least."""
+    run = observed("rtri/103_crossing_barriers_stuck")
+    wait = the(run, "K1", Cause.LEVEL_CROSSING)
+    assert (wait.party, wait.train, wait.place) == ("C1", "T1", "")
+    assert (wait.at_m or 0.0) < 747.0, "before the road"
+    assert wait.since_s is not None
+    assert wait.since_s < wait.from_s < 10 * 3600 + 60.0 < wait.to_s < 10 * 3600 + 90.0
+    assert "level crossing C1" in text_of(wait).en
+    assert max(length_s(one) for one in run.of("K1") if one.cause is Cause.STARTING) < 5.0

@@ -6,6 +6,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
+import msgspec
+
+from network.code_store import CodeStore, kept_folder
 from onboard.duty.records import DutyPhase
 from onboard.duty_parameters import ReleaseRule
 from scenario.scenario import Scenario, load_scenario
@@ -15,12 +18,14 @@ from simulation.result import RunResult
 from study.drilling.drill import drills_in, find_drill, shipped_drills
 from study.runner.outcome import broken_rules
 from study.runner.run import CarrierKind, UnitsAt
+from study.sweep.digest import digest_of
 from verify.evidence.inside import FirstSeen, InsideFigures, PairWatch
 from verify.evidence.watched import WatchedParties, result_of
 from verify.explore import explored
 from verify.explored_line import Budgets, ExploredLine
 from verify.pair_set import views_of
 from verify.pair_view import Believed, PairView
+from verify.search import TOLD_EVERY, Level
 from wayside.register import UnitStanding
 
 # One trouble at a time; with trains that wait for their time, as trains of a timetable do.
@@ -46,20 +51,45 @@ RECOVERS: Final = (
 IN_TROUBLE: Final = frozenset({UnitStanding.UNKNOWN, UnitStanding.BY_HAND, UnitStanding.DISPUTED})
 _IN_IT: Final = {None: "does not know whether it is in it", True: "in it", False: "not in it"}
 OTHER: Final = "no known lack of the model"
+VIEWS: Final = CodeStore(kept_folder() / "views")
+DECIDING: Final = (
+    "network",
+    "radio",
+    "onboard",
+    "wayside",
+    "verify",
+)  # what a state can be, and what is viewed
 
 
-def explored_views(lines: Sequence[ExploredLine], watch: Callable[[str], None]) -> frozenset[PairView]:
-    """Views that the states of these lines have, all explored whole. ValueError for one that does not hold."""
-    views = set[PairView]()
-    for line in lines:
-        found = explored(line)
-        if not found.holds:
-            raise ValueError(f"{line} does not hold")
-        views |= views_of(found)
-        watch(
-            f"{len(found.space.states)} states with {'/'.join(map(str, line.budgets))}: {len(views)} views so far"
-        )
+def explored_views(
+    lines: Sequence[ExploredLine], watch: Callable[[str], None], store: CodeStore = VIEWS
+) -> frozenset[PairView]:
+    """Views that the states of these lines have, all explored whole, once for this code (decision 297).
+
+    ValueError for a line that does not hold. `watch` takes what is being done, while it is.
+    """
+    views, code = set[PairView](), digest_of(*DECIDING)
+    for number, line in enumerate(lines, start=1):
+        name = f"exploring line {number} of {len(lines)}, once for this code ({'/'.join(map(str, line.budgets))})"
+
+        def made(line: ExploredLine = line, name: str = name) -> bytes:
+            watch(name)
+            return msgspec.msgpack.encode(list(_explored_views(line, lambda text: watch(f"{name}: {text}"))))
+
+        kept = store.made("views", (code, line), made)
+        views.update(msgspec.msgpack.decode(kept, type=list[PairView]))
     return frozenset(views)
+
+
+def _explored_views(line: ExploredLine, watch: Callable[[str], None]) -> frozenset[PairView]:
+    def tell(level: Level) -> None:
+        if level.depth % TOLD_EVERY == 0:
+            watch(f"level {level.depth}, {level.distinct} states")
+
+    found = explored(line, watch=tell)
+    if not found.holds:
+        raise ValueError(f"{line} does not hold")
+    return views_of(found)
 
 
 def runs_named(names: Iterable[str]) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """Runs as the check of the batteries reckons with them: at their own mean power, whatever their sign."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -96,3 +97,20 @@ def test_a_plan_whose_stand_comes_to_what_is_kept_is_told() -> None:
     found = feasibility(load_scenario("karasuyama_battery", tables=table).setup)
     stands = [f for f in found.findings if f.kind is FindingKind.CHARGE and f.severity is Severity.TIGHT]
     assert "KRS" in {f.place for f in stands} and all("heating and cooling off" in f.text for f in stands)
+
+
+def test_what_helps_a_set_that_is_full_is_not_more_charging() -> None:
+    """Without the charger at Karasuyama sets stand there on batteries: of 66 kW and of 30 kW 5 kW have to stay on."""
+    spared_kwh: list[float] = []
+    for heating_kw in (36.0, 0.0):
+        table = {
+            "battery": {"heating_kw": heating_kw},
+            "patch": {"line": {"remove": {"chargers": ["KRS"]}}},
+        }
+        found = feasibility(load_scenario("karasuyama_battery", tables=table).setup)
+        (remedy,) = (f.remedy for f in found.impossible if f.trains == ("321M",))
+        assert "more charging" not in remedy
+        named = re.search(r"; a charger at KRS or a shorter stand there: ([0-9.]+) kWh", remedy)
+        assert named is not None, remedy
+        spared_kwh.append(float(named[1]))
+    assert spared_kwh[0] / spared_kwh[1] == pytest.approx((66.0 - 5.0) / (30.0 - 5.0), rel=0.01)

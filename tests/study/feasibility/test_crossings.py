@@ -4,6 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from exchange.new_line import NewLineOptions, write_line
+from network.clock import clock
+from network.making.sample_day import write_sample
 from scenario.scenario import load_scenario
 from study.feasibility.check import feasibility
 from study.feasibility.finding import Finding, FindingKind, Severity
@@ -63,6 +66,20 @@ def test_units_need_radio_where_they_ask(tmp_path: Path) -> None:
     assert finding.severity is Severity.TIGHT
     assert "does not reach at km 0.6" in finding.text
     assert "513 m before it" in finding.remedy
+
+
+@pytest.mark.parametrize(("more_s", "severity"), [(0, Severity.LATE), (240, Severity.TIGHT)])
+def test_without_radio_all_the_way_the_stop_makes_late_who_has_no_time_for_it(
+    tmp_path: Path, more_s: int, severity: Severity
+) -> None:
+    """A minute for leave and two to brake, creep over and gain speed: T1 has less of it to spare, or four minutes."""
+    timetable = load_scenario("rtri_test_line").setup.timetable
+    arrives_s = (timetable.trains["T1"].calls[-1].arrival_s or 0) + more_s
+    later = f'patch.timetable.set = {{ "trains.T1.calls.B.arrival" = "{clock(arrives_s)}" }}'
+    dead = 'patch.line.set = { "alignments.main.coverage" = [{ from_km = 0.9, to_km = 1.41 }] }'
+    (finding,) = found(tmp_path, "closed_s = 20.0", "closing_s = 10.0", before=f"{dead}\n{later}")
+    assert finding.severity is severity
+    assert ("which makes them late by" in finding.remedy) == (severity is Severity.LATE)
 
 
 @pytest.mark.parametrize(("sight_m", "wrong"), [(112.0, True), (113.0, False)])
@@ -143,3 +160,19 @@ start_up_km = {km + 0.7}
     findings = feasibility(load_scenario(str(tmp_path / "day.toml")).setup).findings
     silent = [finding.trains for finding in findings if "does not warn" in finding.text]
     assert silent == ([unwarned] if unwarned else [])
+
+
+@pytest.mark.parametrize("speed_kmh", [60, 85, 130])
+def test_the_radio_of_a_line_made_from_a_list_reaches_where_its_crossings_are_asked(
+    tmp_path: Path, speed_kmh: int
+) -> None:
+    """Halfway between two stations 12 km apart, of which the radio alone reaches 1.5 km."""
+    (tmp_path / "st.csv").write_text("name,km,tracks\nA,0,2\nB,12,2\n", "utf-8")
+    (tmp_path / "roads.csv").write_text("km,id,kind\n5.9,X1,1\n6.3,X2,3\n9.0,X3,4\n", "utf-8")
+    options = NewLineOptions(max_speed_kmh=float(speed_kmh), crossings=tmp_path / "roads.csv")
+    made = write_line(tmp_path / "st.csv", tmp_path / "made.toml", options)
+    write_sample(made.line, tmp_path / "made.toml", tmp_path / "day.toml")
+    setup = load_scenario(str(tmp_path / "day.toml")).setup
+    assert [finding.text for finding in feasibility(setup).findings] == []
+    coverage = next(iter(made.line.alignments.values())).coverage
+    assert not any(one.from_m < 9000.0 < one.to_m for one in coverage), "without a device it asks nobody"

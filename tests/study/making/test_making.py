@@ -188,8 +188,8 @@ def test_a_train_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
 def test_a_new_timetable_can_work(line: str, every_min: int, trains: int, tmp_path: Path) -> None:
     name = str(VALLEY) if line == "valley" else line
     pattern = Pattern(60 * every_min, 6 * HOUR_S, 9 * HOUR_S)
-    count = new_timetable(name, "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
-    assert count == trains
+    day = new_timetable(name, "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
+    assert day.trains == trains
     scenario = load_scenario(str(tmp_path / "run.toml"))
     found = feasibility(scenario.setup)
     assert found.good
@@ -296,11 +296,30 @@ def test_an_interval_that_cannot_work_is_refused_with_one_that_can(tmp_path: Pat
     assert 'stock = "' in (tmp_path / "tt.toml").read_text("utf-8")
 
 
+@pytest.mark.parametrize(("every_min", "places"), [(30, 0), (20, 1)])
+def test_trains_meet_where_there_is_room_if_some_pattern_has_it(
+    tmp_path: Path, every_min: int, places: int
+) -> None:
+    """One loop, at 9.8 of 16.4 km. Of half-hourly trains the second to try meets there, and the first just before it.
+
+    Two meets an interval, and one loop: at 20 min trains either meet at it and at an end, or nearby.
+    """
+    listed = "name,km,tracks,kind\nA,0,2,\nM,5.2,1,halt\nS,9.8,2,\nY,16.4,1,station\n"
+    pattern = Pattern(60 * every_min, 6 * HOUR_S, 8 * HOUR_S)
+    drawn = str(line_file(tmp_path, listed))
+    made = new_timetable(drawn, "ev_e301", pattern, tmp_path / "tt.toml", tmp_path / "run.toml")
+    setup = load_scenario(str(tmp_path / "run.toml")).setup
+    found = feasibility(setup)
+    assert found.on_time
+    assert (made.tight, len({finding.place for finding in found.findings})) == (places, places)
+    assert made.sets == len(setup.timetable.diagrams)
+
+
 def test_no_more_trains_are_tried_than_are_asked_for(tmp_path: Path) -> None:
     """Every quarter of an hour is too often where the only loop lies 8 km from one end, but not a single time."""
     drawn = str(line_file(tmp_path, "name,km,tracks,kind\nA,0,1,\nK,4,2,signal station\nO,12,1,\n"))
     one = Pattern(900, 6 * HOUR_S, 6 * HOUR_S + 899)
-    assert new_timetable(drawn, "ev_e301", one, tmp_path / "one.toml", None) == 2
+    assert new_timetable(drawn, "ev_e301", one, tmp_path / "one.toml", None).trains == 2
     with pytest.raises(InputError):
         new_timetable(drawn, "ev_e301", Pattern(900, 6 * HOUR_S, 7 * HOUR_S), tmp_path / "more.toml", None)
 
