@@ -16,7 +16,17 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plan.dispatching.rows import NOBODY, Ints, LineRows, StateRows, comes_round, leaves_s, line_rows, makes
+from plan.dispatching.rows import (
+    NOBODY,
+    Ints,
+    LineRows,
+    StateRows,
+    comes_round,
+    free_s,
+    leaves_s,
+    line_rows,
+    makes,
+)
 from vehicle.compiled import compiled
 from wayside.moves import Train
 from wayside.order_question import OrderAnswer, OrderQuestion, OrderTrain, OrderWay
@@ -118,22 +128,14 @@ def _comes_first(line: LineRows, states: StateRows, i: int, first: int, move: in
     wanted[0] = first
     while states.at[1, first] <= move:
         mover = wanted[size - 1]
-        m = states.at[1, mover]
-        if m >= line.first[mover + 1]:
+        if states.at[1, mover] >= line.first[mover + 1]:
             return False
-        in_the_way, time_s = NOBODY, max(states.ready[1, mover], line.departs[m])
-        for section in line.needs[m]:
-            if section < 0:
-                break
-            holder = states.holder[1, section]
-            if holder >= 0 and holder != mover:
-                in_the_way = holder
-                break
-            time_s = max(time_s, states.free[1, section])
-        if in_the_way < 0:
+        time_s = free_s(line, states, 1, mover)
+        if time_s >= 0:
             makes(line, states, 1, mover, time_s)
             size = max(1, size - 1)
             continue
+        in_the_way = -1 - time_s
         for k in range(size):
             if in_the_way == i or in_the_way == wanted[k]:
                 return False
