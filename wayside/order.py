@@ -28,9 +28,7 @@ AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
 BOUNDED = True  # off: a train waits for its turn for as long as the order has it
 GOES_FIRST = True  # off: who has waited as long as may be goes first, whether it could go or not
-BY_TIME = (
-    True  # off: who was overtaken `overtaken_max` times goes first in an order of all trains, after any wait
-)
+BY_TIME = True  # off: who was overtaken `overtaken_max` times goes first in an order of all, after any wait
 GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
 
 

@@ -52,7 +52,7 @@ class StateRows(NamedTuple):
 
 
 @compiled
-def free_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
+def go_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
     """When the way of a stock's next move is free and it is ready; -1 - k: stock k stands there."""
     m = states.at[b, i]
     time_s = max(states.ready[b, i], line.departs[m])
@@ -69,7 +69,7 @@ def free_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
 @compiled
 def leaves_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
     """When a stock can make its next move; -1: another stands there, or not all could finish afterwards."""
-    time_s = free_s(line, states, b, i)
+    time_s = go_s(line, states, b, i)
     if time_s < 0:
         return -1
     made = states.at[b, i] + 1 - line.first[i]
@@ -102,7 +102,7 @@ def makes(line: LineRows, states: StateRows, b: int, i: int, leaves_s: int) -> N
 
 
 @compiled
-def comes_round(line: LineRows, states: StateRows, b: int, mover: int, seen: Ints, stack: Ints) -> bool:
+def circles(line: LineRows, states: StateRows, b: int, mover: int, seen: Ints, stack: Ints) -> bool:
     """Whether from a stock to those that stand where it is to go, and on, it comes again."""
     seen[:] = 0
     stack[0], size = mover, 1
