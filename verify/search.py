@@ -138,9 +138,10 @@ def among(run: Keys, keys: Keys) -> NDArray[np.bool_]:
     return there
 
 
-def ranks(expansion: Explorable, states: Keys, generated: int) -> Numbers:
+def ranks(expansion: Explorable, space: SearchedSpace) -> Numbers:
     """By state: how many steps without trouble are enough for all trains to finish; -1: no number is."""
-    edges, filled = np.empty(generated, np.uint64), 0  # to and from where, as one number: they sort in place
+    states, filled = space.states, 0
+    edges = np.empty(space.generated, np.uint64)  # to and from where, as one number: they sort in place
     for number, part in enumerate(parts(states)):
         source, after, trouble = expansion.following(part)
         helpful = trouble == 0
@@ -188,7 +189,7 @@ def judged_space(
         return JudgedSpace(space, wrong=int(space.broken[0]))
     if not space.complete:
         return JudgedSpace(space)
-    rank = ranks(expansion, space.states, space.generated)
+    rank = ranks(expansion, space)
     dead = space.states[rank < 0]
     if not len(dead):
         return JudgedSpace(space, rank)

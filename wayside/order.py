@@ -6,8 +6,8 @@ through in blocks and minutes for all trains of the line, and the one with less 
 is what delays all least in the mean (`optimal`), as soon as any train that is to go there is so late.
 Nobody waits by it for longer than `hold_s_max`, for a train that cannot come before it, or when `overtaken_max`
 trains have gone before it; nor does it let a train on before one that was overtaken so often. In an order of all of
-them each train has its place, whatever goes before it: there the time alone bounds how long it waits, and who has
-waited for so long goes before others.
+them each train has its place, whatever goes before it: there who has waited for so long waits for nobody, and goes
+before others once so many have gone before it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ AHEAD_S: Final = 2 * 3600.0  # assumed: how far ahead delays are compared
 ORDER_STEPS: Final = 1000  # assumed: moves tried for either order
 BOUNDED = True  # off: a train waits for its turn for as long as the order has it
 GOES_FIRST = True  # off: who has waited as long as may be goes first, whether it could go or not
-BY_TIME = True  # off: who was overtaken `overtaken_max` times goes first in an order of all trains, too
+BY_TIME = True  # off: who was overtaken `overtaken_max` times goes first in an order of all, after any wait
 GAIN_S: Final = 60.0  # assumed: a change of order is worth a minute at least, for it confuses people
 
 
@@ -183,9 +183,10 @@ def _bound_reached(
     """Whether a train that waits has the next turn: nobody else goes before it by the order of trains."""
     if trip.asked_s is None:
         return False
+    often = trip.overtaken >= days.overtaken_max
     if BY_TIME and order is not None and order.answer is not None:
-        return _held_s(register, trip, hop) >= days.hold_s_max
-    return trip.overtaken >= days.overtaken_max
+        return often and _held_s(register, trip, hop) >= days.hold_s_max
+    return often
 
 
 def _could_go(days: Days, stands: Stands, index: int) -> bool:

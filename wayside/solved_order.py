@@ -52,12 +52,7 @@ def with_order(
         answer = OrderAnswer(lacking="the solver's order is not of the moves asked for")
     said = {each.answer.lacking for each in register.solved.values()}
     shows = (Show(OrderLacking(why=answer.lacking)),) if answer.lacking and answer.lacking not in said else ()
-    held = _held(register, days)
-    awaited = tuple(
-        index
-        for index, unit_id in enumerate(days.unit_ids)
-        if overdue_s(days, stands, index, register.trip(unit_id), held[unit_id], register.now_s)
-    )
+    awaited = tuple(index for index, train in enumerate(question.trains) if train.stood_s)
     made = LastOrder(register.now_s, stands.at, answer, awaited)
     return replace(register, solved={**register.solved, asks: made}), shows
 

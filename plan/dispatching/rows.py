@@ -52,8 +52,8 @@ class StateRows(NamedTuple):
 
 
 @compiled
-def leaves_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
-    """When a stock can make its next move; -1: another stands there, or not all could finish afterwards."""
+def go_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
+    """When the way of a stock's next move is free and it is ready; -1 - k: stock k stands there."""
     m = states.at[b, i]
     time_s = max(states.ready[b, i], line.departs[m])
     for section in line.needs[m]:
@@ -61,13 +61,22 @@ def leaves_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
             break
         holder = states.holder[b, section]
         if holder >= 0 and holder != i:
-            return -1
+            return int(-1 - holder)
         time_s = max(time_s, states.free[b, section])  # its own place was free when it came
-    made = m + 1 - line.first[i]
+    return int(time_s)
+
+
+@compiled
+def leaves_s(line: LineRows, states: StateRows, b: int, i: int) -> int:
+    """When a stock can make its next move; -1: another stands there, or not all could finish afterwards."""
+    time_s = go_s(line, states, b, i)
+    if time_s < 0:
+        return -1
+    made = states.at[b, i] + 1 - line.first[i]
     for other in range(len(line.first) - 1):
         if other != i and line.dead[i, other, made, states.at[b, other] - line.first[other]]:
             return -1
-    return int(time_s)
+    return time_s
 
 
 @compiled
@@ -93,7 +102,7 @@ def makes(line: LineRows, states: StateRows, b: int, i: int, leaves_s: int) -> N
 
 
 @compiled
-def comes_round(line: LineRows, states: StateRows, b: int, mover: int, seen: Ints, stack: Ints) -> bool:
+def circles(line: LineRows, states: StateRows, b: int, mover: int, seen: Ints, stack: Ints) -> bool:
     """Whether from a stock to those that stand where it is to go, and on, it comes again."""
     seen[:] = 0
     stack[0], size = mover, 1

@@ -75,9 +75,7 @@ def test_a_train_that_goes_on_beyond_the_time_ahead_is_in_nobodys_way(
 
 
 @pytest.mark.parametrize("by_time", [True, False])
-def test_in_an_order_of_all_the_time_bounds_a_wait_and_not_how_many_go_before(
-    by_time: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_in_an_order_of_all_the_time_bounds_a_wait(by_time: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """The slow train waits for the fast one, however many others went before; a minute before its time, too."""
     monkeypatch.setattr(order, "BY_TIME", by_time)
     play = asked_play(hold_s_max=900.0)
@@ -87,12 +85,14 @@ def test_in_an_order_of_all_the_time_bounds_a_wait_and_not_how_many_go_before(
     assert isinstance(play.asks(0), RouteRefused if by_time else RouteGranted)
 
 
-def test_who_has_waited_as_long_as_may_be_goes_before_others() -> None:
-    """The fast train is first in the order, and does not go while the slow one has waited for 15 min."""
+@pytest.mark.parametrize(("held_s", "overtaken"), [(899.0, 2), (900.0, 1), (900.0, 2)])
+def test_who_has_waited_long_enough_goes_first_once_two_have_gone(held_s: float, overtaken: int) -> None:
+    """The fast train is first in the order, and comes when the slow one has waited for it."""
     play = asked_play(hold_s_max=900.0)
     assert isinstance(play.asks(0), RouteRefused)
-    play.now_s = ASKS_S + 900.0
-    assert isinstance(play.asks(2), RouteRefused)
+    waits = replace(play.register.trip("u0"), overtaken=overtaken)
+    play.register, play.now_s = play.register.with_trip("u0", waits), ASKS_S + held_s
+    assert isinstance(play.asks(2), RouteRefused if (held_s, overtaken) == (900.0, 2) else RouteGranted)
 
 
 @pytest.mark.parametrize(
