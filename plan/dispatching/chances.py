@@ -22,7 +22,7 @@ from wayside.moves import Train
 from wayside.order_question import OrderAnswer, OrderQuestion, OrderTrain, OrderWay
 
 SAMPLES: Final = 8  # assumed: ways in which it may turn out, the same for every choice
-WORK_MAX: Final = 20_000_000  # assumed: stocks looked at, a second of a processor; then no further way is played
+WORK_MAX: Final = 20_000_000  # assumed: stocks looked at in a second; then no further way is played
 SPREAD_S: Final = 120.0  # assumed: who is just overdue is as likely as not there after so long
 LONGEST_S: Final = 1800  # assumed: by then it is there
 GAIN_S: Final = 60  # assumed: what it must save to go or to wait otherwise than by `least_delay`
