@@ -6,6 +6,9 @@ SCENARIO ?= karasuyama_weekday
 UNIT_LINES ?= 250
 FILE_LINES ?= 500
 
+# What one command has compiled, the next one reads, also where the environment would have no bytecode kept.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Tests of compiled laws; those of the slice take seconds even when they are interpreted.
 LAWS := tests/vehicle tests/onboard/driving tests/onboard/localisation tests/onboard/test_tick.py
 LAWS_SLICE := $(addprefix tests/vehicle/test_,resistance.py traction.py brakes.py response.py)
