@@ -239,7 +239,7 @@ class Register(msgspec.Struct, frozen=True):
         kept = {at: end for at, end in self.tracks.get(unit_id, {}).items() if at < place}
         cuts = {**self.cuts, unit_id: {**self.cuts.get(unit_id, {}), place: next_train}}
         tracks = {**self.tracks, unit_id: kept}
-        return replace(self, days=days, tracks=tracks, cuts=cuts, kept=None, sought=None, solved=None)
+        return replace(self, days=days, tracks=tracks, cuts=cuts, kept=None, sought=None, solved={})
 
     def held_by(self, unit_id: str) -> tuple[str, ...]:
         """Its sections, in the order of the line."""

@@ -10,7 +10,7 @@ from tests.wayside.loop_line import Play, config_of, route_of
 from wayside import cutting, unanswered
 from wayside.actions import Send, Show
 from wayside.block_manager import Heard, step
-from wayside.config import CutRules, ManagerConfig
+from wayside.config import CutRules, ManagerConfig, OrderRule
 from wayside.register import start
 from wayside.said import GoesOnAs, TrainCut
 
@@ -121,8 +121,9 @@ def test_no_delay_is_the_least_there_is() -> None:
     assert isinstance(says(play, ONWARD)[-1], messages.RouteGranted)
 
 
-def test_done_it_goes_on_as_the_other_train_and_doubled_nothing_is_new() -> None:
-    play = at_the_loop()
+@pytest.mark.parametrize("order", OrderRule)
+def test_done_it_goes_on_as_the_other_train_and_doubled_nothing_is_new(order: OrderRule) -> None:
+    play = at_the_loop(order=order)
     says(play, ONWARD)
     heard = says(play, report(play))
     assert GoesOnAs(unit_id="u0", train="0b") in heard and isinstance(heard[-1], messages.HoldingConfirmed)
