@@ -10,7 +10,10 @@ from tests.wayside.loop_line import Play, config_of, route_of
 from wayside import cutting, unanswered
 from wayside.actions import Send, Show
 from wayside.block_manager import Heard, step
+from wayside.certificate import CertificateAnswer, CertificateProof
 from wayside.config import CutRules, ManagerConfig, OrderRule
+from wayside.journeys import LastSearch
+from wayside.order_question import ALL, LastOrder, OrderAnswer
 from wayside.register import start
 from wayside.said import GoesOnAs, TrainCut
 
@@ -132,6 +135,18 @@ def test_done_it_goes_on_as_the_other_train_and_doubled_nothing_is_new(order: Or
     assert [hop.route_id for hop in days.hops[0]] == ["0.1>1.1", "1.1>0.1"]
     assert [type(m) for m in says(play, report(play))] == [messages.HoldingConfirmed]
     assert isinstance(says(play, BACK)[-1], messages.RouteGranted)
+
+
+def test_what_was_proven_of_the_day_as_it_was_is_not_taken_for_proven_after_a_cut() -> None:
+    """Each stock has made as many moves and holds the same, so the old order would seem to lead on from there."""
+    kept = at_the_loop().register.kept
+    assert kept is not None
+    none = LastSearch(kept.at, kept.holds, CertificateAnswer(CertificateProof.NONE), 1, 900.0)
+    solved = {ALL: LastOrder(0.0, kept.at, OrderAnswer())}
+    register = replace(at_the_loop().register, kept=kept, sought=none, solved=solved)
+    after = register.with_cut("u0", 1, "0b")
+    assert after is not None
+    assert (after.kept, after.sought, after.solved) == (None, None, {})
 
 
 def test_a_lost_order_is_given_again_and_not_without_end() -> None:

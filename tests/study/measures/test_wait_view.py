@@ -5,6 +5,7 @@ from typing import Final
 import pytest
 
 from onboard import notes
+from onboard.crossing_notes import CrossingAsked
 from radio.noted import Noted
 from scenario.scenario import load_scenario
 from simulation.events import WORLD, JournalEntry, Left, PowerOff, PowerOn
@@ -46,6 +47,17 @@ def test_who_resumes_runs_if_it_had_departed(view: StockView) -> None:
     assert view.doing is DutyStage.STANDING
     took(view, 100.0, notes.Departs(station="HSK"), resumed)
     assert view.doing is DutyStage.RUNNING
+
+
+def test_who_restarts_waits_for_no_level_crossing_that_it_has_not_asked_since() -> None:
+    view = of_drill("rtri/100_crossing", "K1")
+    asked = CrossingAsked(crossing_id="C1", arrives_s=60.0)
+    for entry in told(view, notes.MissionBegun(train="T1", direction="down"), asked):
+        view.take(entry)
+    here = (view.line.crossings["C1"].piece_id, 0.0)
+    assert view.crossing_ahead(here, 2.0)[0] == "C1"
+    view.take(JournalEntry(3.0, view.unit, notes.UnitRestarted(epoch=2)))
+    assert view.crossing_ahead(here, 4.0)[0] == ""
 
 
 def test_who_was_driven_off_the_line_by_hand_is_to_come_as_its_next_train(view: StockView) -> None:
