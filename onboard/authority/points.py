@@ -28,6 +28,7 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, Result, SignOnStanding, Table, report_now
+from onboard.plan import PointsNeeded
 
 
 def throw(state: Authority, event: Throw) -> Result:
@@ -71,7 +72,7 @@ def proof(state: Authority, event: ProofHeard) -> Result:
     return _lost(state, event)
 
 
-def _proven(state: Authority, needed: NeededPoints, *, by_crew: bool = False) -> Result:
+def _proven(state: Authority, needed: PointsNeeded, *, by_crew: bool = False) -> Result:
     """They lie right: no command for them is open any more."""
     over = [c for c in state.commands if c.needed == needed]
     proven = replace(
