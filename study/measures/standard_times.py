@@ -20,6 +20,7 @@ from onboard.mission import Mission, NoWay, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import first_section
 from study.measures.running_times import RunWay, TrainHop, least_times_s, planned_hops
+from study.record.columns import tenth
 from vehicle.running_time import laid_down_s
 from vehicle.train_file import TrainType
 
@@ -50,7 +51,7 @@ class StandardTime:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV: times to 0.1 s."""
-        times = {name: _tenth(getattr(self, name)) for name in HOW}
+        times = {name: tenth(getattr(self, name)) for name in HOW}
         return {
             "train": self.train,
             "direction": self.direction.name.lower(),
@@ -105,9 +106,9 @@ class PlannedRun:
             "leaves_s": self.leaves_s,
             "due_s": self.due_s,
             "planned_s": round(self.planned_s, 1),
-            "least_s": _tenth(self.least_s),
-            "margin_s": _tenth(self.margin_s),
-            "margin_percent": _tenth(100.0 * self.margin_s / self.least_s) if self.least_s > 0.0 else None,
+            "least_s": tenth(self.least_s),
+            "margin_s": tenth(self.margin_s),
+            "margin_percent": tenth(100.0 * self.margin_s / self.least_s) if self.least_s > 0.0 else None,
         }
 
 
@@ -267,7 +268,3 @@ def smallest_margins(runs: tuple[PlannedRun, ...]) -> dict[tuple[str, Direction,
         if key not in found or run.margin_s < found[key].margin_s:
             found[key] = run
     return found
-
-
-def _tenth(time_s: float | None) -> float | None:
-    return None if time_s is None or not math.isfinite(time_s) else round(time_s, 1)
