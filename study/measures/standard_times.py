@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, Final
 
 from exchange.running import Running, StationRun
-from network.model import Direction, Line
+from network.model import Direction, Line, Station
 from network.timetable import Call, CallKind, Stabled, TimetableTrain, no_trains
 from onboard.mission import Mission, NoWay, plan_mission
 from simulation.setup import Setup
@@ -188,20 +188,25 @@ def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[Stan
         )
 
 
+def stations_along(line: Line, direction: Direction) -> list[Station]:
+    """Those with a mark for the direction in order of travel, from the first with tracks of its own to the last."""
+    found = [
+        station
+        for station in sorted(line.stations.values(), key=lambda s: s.position_m * direction)
+        if any(direction in track.marks_m for track in station.tracks)
+    ]
+    ends = [i for i, station in enumerate(found) if not station.is_halt]
+    return found[ends[0] : ends[-1] + 1] if len(ends) > 1 else []
+
+
 def whole_line(line: Line, direction: Direction) -> Mission | None:
     """The way of a train over the whole line on its usual tracks, passing everything between its ends.
 
     None where there is none, or fewer than two stations have a mark for the direction.
     """
-    stations = [
-        station
-        for station in sorted(line.stations.values(), key=lambda s: s.position_m * direction)
-        if any(direction in track.marks_m for track in station.tracks)
-    ]
-    ends = [i for i, station in enumerate(stations) if not station.is_halt]
-    if len(ends) < 2:
+    stations = stations_along(line, direction)
+    if not stations:
         return None
-    stations = stations[ends[0] : ends[-1] + 1]
     kinds = [CallKind.OPERATIONAL, *(CallKind.PASS for _ in stations[1:-1]), CallKind.OPERATIONAL]
     calls = tuple(
         Call(station.id, None, i if kind is not CallKind.PASS else None, i, kind)
