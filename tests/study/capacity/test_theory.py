@@ -16,6 +16,7 @@ from study.capacity.occupation import Occupation, OccupationPart, conflicts_of
 from study.capacity.rules import AS_UNITS, MINIMAL, VIRTUAL_BLOCKS, Rules
 from study.capacity.theory import Theory, occupations
 from tests.study.capacity.by_hand import TIMES, two_blocks
+from tests.trains import day_of
 
 R, A, G, T, P = (
     OccupationPart.REQUEST,
@@ -230,16 +231,8 @@ def test_moved_journeys_move_their_occupations(tmp_path: Path) -> None:
         assert other.length_s == pytest.approx(one.length_s, abs=1e-6)
 
 
-TURNS = (
-    TIMES.replace('"stabled"', '"becomes:T2"').replace('["T1"]', '["T1", "T2"]')
-    + """
-[[trains]]
-number = "T2"
-direction = "up"
-begins = "from:T1"
-ends = "stabled"
-calls = [{ station = "B", track = "1", departure = "10:01:20" }, { station = "A", track = "1", arrival = "10:03:00" }]
-"""
+TURNS = TIMES.replace('"stabled"', '"becomes:T2"').replace('["T1"]', '["T1", "T2"]') + day_of(
+    "T2 up, from:T1 to stabled: B 1 -/10:01:20; A 1 10:03:00/-"
 )
 
 

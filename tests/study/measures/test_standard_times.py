@@ -22,28 +22,16 @@ from study.measures.standard_times import (
     standard_times,
     whole_line,
 )
+from tests.trains import timetable_of
 
-PASSING = """
-[timetable]
-id = "passing"
-line = "karasuyama"
-dwell_min_s = 20
-[[trains]]
-number = "1D"
-direction = "down"
-begins = "portal:HSK.MD"
-ends = "stabled"
-calls = [
-  { station = "HSK", departure = "07:00" },
-  { station = "NIT", pass = "07:07:20" },
-  { station = "OGN", arrival = "07:15", departure = "07:16", operational = true },
-  { station = "TAK", arrival = "07:22", departure = "07:23" },
-  { station = "KRS", arrival = "07:27" },
-]
-[[diagrams]]
-stock = "A"
-trains = ["1D"]
-"""
+PASSING = timetable_of(
+    "passing",
+    "karasuyama",
+    "1D down, portal:HSK.MD to stabled: HSK -/07:00; NIT pass 07:07:20; OGN 07:15/07:16 operational;"
+    " TAK 07:22/07:23; KRS 07:27/-",
+    dwell_min_s=20,
+    A="1D",
+)
 
 
 @pytest.fixture(scope="module")
