@@ -223,8 +223,8 @@ def test_radio_moves_its_own_parts_alone(tmp_path: Path) -> None:
 def test_moved_journeys_move_their_occupations(tmp_path: Path) -> None:
     theory = Theory(two_blocks(tmp_path), MINIMAL)
     (journey,) = theory.journeys()["K1"]
-    before = theory.of_journeys("K1", (journey,))
-    after = theory.of_journeys("K1", (journey.moved(100.0),))
+    before = theory.of_day({"K1": (journey,)})
+    after = theory.of_day({"K1": (journey.moved(100.0),)})
     assert len(before) == len(after) == 8
     for one, other in zip(before, after, strict=True):
         assert other.begin_s == pytest.approx(one.begin_s + 100.0, abs=1e-6)
