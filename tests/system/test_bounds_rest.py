@@ -12,7 +12,6 @@ from simulation.judge.checkers import Checkers
 from simulation.world.premises import FalsePositions
 from study.runner.run import FinishedRun
 from tests.plain import run_on_plain
-from tests.scenario.own import own_scenario
 from tests.system.switchboard import SWITCHES
 
 DEPARTS_S = 36_000.0
@@ -41,8 +40,12 @@ def judged_s(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 def run(tmp_path: Path, factor: float) -> FinishedRun:
-    fault = f'kind = "scale"\ntarget = "K1"\nfactor = {factor}\nstart = "10:00:05"\nduration_s = {LASTS_S}\n'
-    return run_on_plain(own_scenario(tmp_path, f"[[fault]]\n{fault}", "rtri_test_line"))
+    file = tmp_path / "scale.toml"
+    file.write_text(
+        'extends = "rtri_test_line"\nid = "scale"\n'
+        f'[[fault]]\nkind = "scale"\ntarget = "K1"\nfactor = {factor}\nstart = "10:00:05"\nduration_s = {LASTS_S}\n'
+    )
+    return run_on_plain(file)
 
 
 def test_they_rest_from_the_fault_to_the_first_tag_after_it(judged_s: list[float], tmp_path: Path) -> None:
