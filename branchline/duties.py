@@ -11,6 +11,7 @@ import typer
 
 from branchline.ending import print_json
 from branchline.options import Json
+from branchline.oudia import timetables_of
 from branchline.progress import print_aside
 
 if TYPE_CHECKING:
@@ -31,7 +32,10 @@ def duties(
 
     Of a scenario as planned, of a run directory as it was run.
     """
-    line, found = _source(source)
+    from study.measures.duties import duties_of
+
+    line, timetable, as_run = timetables_of(source)
+    found = duties_of(line, timetable, as_run)
     if out is not None:
         from study.record.directory import replacing_folder
         from study.report.duty_graph import FILES, write_duties
@@ -43,22 +47,6 @@ def duties(
         print_json({"line": line.id, "sets": [duty.as_dict() for duty in found]})
     else:
         _print(line, found)
-
-
-def _source(source: str) -> tuple[Line, tuple[SetDuty, ...]]:
-    """Line and duties as planned, or of a run directory as run."""
-    from study.measures.duties import duties_of
-
-    if Path(source).is_dir():
-        from study.record.as_run import trains_as_run
-        from study.record.read_back import read_run
-
-        run = read_run(Path(source))
-        return run.line, duties_of(run.line, run.timetable, trains_as_run(run.timetable, run.tables.stops))
-    from scenario.scenario import load_scenario
-
-    setup = load_scenario(source).setup
-    return setup.line, duties_of(setup.line, setup.timetable)
 
 
 def _print(line: Line, found: Sequence[SetDuty]) -> None:

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
+from msgspec.structs import replace
+
 from console.protocol import CrossingKnown, RoadState
 from network.model import CrossingClass, LevelCrossing, Line
 from onboard import crossing_notes
@@ -74,6 +76,17 @@ class _Crossing:
         closed = self.lit and (down or has_none)
         return RoadState.UNPROVEN if self.says is RoadState.CLOSED and not closed else self.says
 
+    def shown(self, state: RoadState) -> CrossingKnown:
+        """With what is heard by radio of those who come."""
+        return CrossingKnown(
+            id=self.line.id,
+            state=state,
+            announced=tuple(self.announced),
+            creeps=tuple(self.creeps),
+            guarded=self.guarded,
+            heard_s=self.heard_s,
+        )
+
 
 class CrossingsSeen:
     """All level crossings of a line that have a device, entry by entry of the journal."""
@@ -83,17 +96,7 @@ class CrossingsSeen:
 
     def known(self, now_s: float) -> tuple[CrossingKnown, ...]:
         """As whoever hears what is said by radio has them."""
-        return tuple(
-            CrossingKnown(
-                id=id_,
-                state=one.known(now_s),
-                announced=tuple(one.announced),
-                creeps=tuple(one.creeps),
-                guarded=one.guarded,
-                heard_s=one.heard_s,
-            )
-            for id_, one in self._all.items()
-        )
+        return tuple(one.shown(one.known(now_s)) for one in self._all.values())
 
     def heard_by(self, unit: str) -> tuple[CrossingKnown, ...]:
         """As a unit has heard of them itself."""
@@ -111,16 +114,11 @@ class CrossingsSeen:
         """As they are, with those on which a vehicle stands."""
         stands = frozenset(blocked)
         return tuple(
-            CrossingKnown(
-                id=id_,
-                state=one.truth,
-                announced=tuple(one.announced),
-                creeps=tuple(one.creeps),
-                guarded=one.guarded,
+            replace(
+                one.shown(one.truth),
                 occupied=id_ in stands,
                 why=one.why,
                 why_ja=reason(one.why).in_("ja"),
-                heard_s=one.heard_s,
             )
             for id_, one in self._all.items()
         )

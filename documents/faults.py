@@ -56,7 +56,7 @@ def _table() -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for kind in KINDS:
         keys = "; ".join(_key(name, info) for name, info in kind.model_fields.items() if name != "target")
-        yield f"| `{kind.kind}` | {kind.aims_at} | {_plain(kind.__doc__)} | {keys or '–'} | {kind.changes} |"
+        yield f"| `{kind.kind}` | {kind.aims_at} | {in_one_line(kind.__doc__)} | {keys or '–'} | {kind.changes} |"
 
 
 def _key(name: str, info: FieldInfo) -> str:
@@ -68,10 +68,11 @@ def _key(name: str, info: FieldInfo) -> str:
 def _families() -> Iterator[str]:
     """What the modules say of their quantities, once each."""
     for family in dict.fromkeys(kind.__module__ for kind in KINDS):
-        yield f"- {_plain(sys.modules[family].__doc__)}"
+        yield f"- {in_one_line(sys.modules[family].__doc__)}"
 
 
-def _plain(text: str | None) -> str:
+def in_one_line(text: str | None) -> str:
+    """A text without its line breaks."""
     return " ".join((text or "").split())
 
 

@@ -15,6 +15,7 @@ from typing import Final, cast, get_type_hints
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from documents.faults import in_one_line
 from documents.page import write_page
 from network.files.kinds import origin_of
 from onboard.localisation import curvature_map_file, fix
@@ -115,7 +116,7 @@ def _section(sensor: Sensor) -> Iterator[str]:
         yield (
             "Faults ([faults.md](faults.md)): "
             + "; ".join(
-                f"`{kind.kind}`: {_line(kind.__doc__)[0].lower()}{_line(kind.__doc__)[1:].rstrip('.')}"
+                f"`{kind.kind}`: {in_one_line(kind.__doc__)[0].lower()}{in_one_line(kind.__doc__)[1:].rstrip('.')}"
                 for kind in kinds
             )
             + ".\n"
@@ -154,10 +155,6 @@ def _value(value: object) -> str:
 def _prose(text: str | None) -> str:
     """A docstring as it stands: its lines are Markdown already."""
     return (text or "").strip()
-
-
-def _line(text: str | None) -> str:
-    return " ".join((text or "").split())
 
 
 if __name__ == "__main__":

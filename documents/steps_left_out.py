@@ -100,7 +100,7 @@ def shared_sections(
     spans: dict[int, list[TraceSpan]] = {slot: [s for s in result.spans if s.slot == slot] for slot in slots}
     under: dict[int, frozenset[str]] = {}
     found: dict[tuple[str, str], None] = {}
-    leaves, astray = _leaves(result), _astray(result)
+    leaves, astray = _when(result, Left), _when(result, Unsafe, Danger.WRONG_WAY)
     rows = zip(
         result.trace["step"].tolist(),
         result.trace["slot"].tolist(),
@@ -127,23 +127,15 @@ def shared_sections(
     return tuple(found)
 
 
-def _leaves(result: RunResult) -> list[tuple[int, int]]:
-    """When trains left the line, by step and slot."""
+def _when(
+    result: RunResult, kind: type[Left | Unsafe], danger: Danger | None = None
+) -> list[tuple[int, int]]:
+    """When such an event of a train is in the journal, by step and slot."""
     slots = {stock_id: slot for slot, stock_id in enumerate(result.stock_ids)}
     return [
         (round(entry.t_s * STEPS_PER_S), slots[entry.event.unit_id])
         for entry in result.journal.entries
-        if isinstance(entry.event, Left)
-    ]
-
-
-def _astray(result: RunResult) -> list[tuple[int, int]]:
-    """When points sent trains the wrong way, by step and slot."""
-    slots = {stock_id: slot for slot, stock_id in enumerate(result.stock_ids)}
-    return [
-        (round(entry.t_s * STEPS_PER_S), slots[entry.event.unit_id])
-        for entry in result.journal.entries
-        if isinstance(entry.event, Unsafe) and entry.event.danger is Danger.WRONG_WAY
+        if isinstance(entry.event, kind) and getattr(entry.event, "danger", None) is danger
     ]
 
 

@@ -7,7 +7,6 @@ entities that grow without end, or that reach for other files, are declared in.
 from __future__ import annotations
 
 import codecs
-import stat
 import xml.etree.ElementTree as ET
 import zlib
 from collections.abc import Iterator
@@ -16,6 +15,7 @@ from typing import Final
 from xml.parsers import expat
 
 from network.errors import InputError
+from network.files.text_input import opened
 
 XML_BYTES_MAX: Final = 64 << 20  # a whole province of rails from OpenStreetMap; read in about ten seconds
 DEPTH_MAX: Final = 64  # the deepest element of railML 3.2 is eleven levels down
@@ -138,9 +138,7 @@ def _blocks(path: Path) -> Iterator[bytes]:
     """The bytes of a file, unpacked if it is gzipped, at most XML_BYTES_MAX. Raises InputError."""
     file = str(path)
     try:
-        if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():
-            raise InputError(file, "", None, "a file, and no pipe or device")
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             first = stream.read(_BLOCK_BYTES)
             if not first.removeprefix(codecs.BOM_UTF8).strip():
                 raise InputError(file, "", None, "XML, but the file is empty")
@@ -157,9 +155,6 @@ def _blocks(path: Path) -> Iterator[bytes]:
                 raise InputError(file, "", None, "a whole gzip file, but it is cut off")
     except zlib.error as error:
         raise InputError(file, "", None, f"a valid gzip file ({error})") from error
-    except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) else error
-        raise InputError(file, "", None, f"a readable file ({why})") from error
 
 
 def _unpacked(unpack: zlib._Decompress, block: bytes) -> Iterator[bytes]:

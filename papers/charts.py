@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from study.report.style import INK, PALE, RULE, drawing
+from study.report.style import INK, PALE, RULE, write_figure
 
 BLUE: Final = "#2f7fb8"
 BAND: Final = "#cfe2f0"
@@ -178,14 +178,3 @@ class ChartPage:
     def write(self, folder: Path) -> tuple[Path, ...]:
         """Write it below `folder`, which is made; the files written."""
         return write_figure(self.name, self.figure, folder)
-
-
-def write_figure(name: str, draw: Callable[[], Figure], folder: Path) -> tuple[Path, ...]:
-    """Draw a figure and write it as SVG and PNG below `folder`, which is made; the files written."""
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = tuple(folder / f"{name}.{kind}" for kind in ("svg", "png"))
-    with drawing():
-        figure = draw()
-        figure.savefig(paths[0], metadata={"Date": None, "Creator": None})
-        figure.savefig(paths[1], dpi=130, metadata={"Software": None})
-    return paths

@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as PlotFigure
 from numpy.typing import NDArray
 
-from papers.charts import BAND, write_figure
+from papers.charts import BAND
 from papers.parameter_sets import LINE
 from papers.position_run import half_widths_m
 from papers.position_sets import (
@@ -41,7 +41,7 @@ from papers.position_sets import (
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
 from papers.specification import Findings, Specification, none_of
 from simulation.settings import PositionSensor
-from study.report.style import INK, PALE, RED, RULE, WIDTH_IN
+from study.report.style import INK, PALE, RED, RULE, WIDTH_IN, write_figure
 
 NAME: Final = "position-compare"
 QUICK: Final = ("GNSS, 3 m", "all")

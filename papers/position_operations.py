@@ -22,7 +22,6 @@ from host.scratch import scratch
 from network.model import SectionKind, TagPurpose
 from onboard import notes
 from onboard.fixes import EYE
-from papers.charts import write_figure
 from papers.parameter_sets import LINE
 from papers.position_cases import CASES, SOON_S, PositionCase, carried_table
 from papers.reproduction import CaseRow, NullMethod, Options, Parameter, UnjudgedFigure
@@ -30,7 +29,7 @@ from papers.specification import Findings, Specification
 from scenario.scenario import load_scenario
 from simulation.events import TagPassed
 from study.measures.localisation import known_positions
-from study.report.style import AUXILIARY, INK, RED, REGENERATED, RULE, TRACTION, WIDTH_IN
+from study.report.style import AUXILIARY, INK, RED, REGENERATED, RULE, TRACTION, WIDTH_IN, write_figure
 from study.runner.run import FinishedRun, PartyLink, execute
 
 BASE: Final = "karasuyama_weekday"

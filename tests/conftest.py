@@ -18,6 +18,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from study.runner.collector import MORE_OBJECTS
+from tests.trains import timetable_of
 
 # Some hundred commands run as processes: bytecode is kept for them, also where the environment would have none.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -73,39 +74,14 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
                     terminalreporter.write_line(str(value))
 
 
-TURN_BACK_TIMETABLE = """
-[timetable]
-id = "turn_back"
-name = "One set to Ogane and back"
-line = "karasuyama"
-dwell_min_s = 20
-sources = ["made for tests: times of trains 321M and 322M"]
-
-[[trains]]
-number = "1D"
-direction = "down"
-begins = "portal:HSK.MD"
-ends = "becomes:2U"
-calls = [
-  { station = "HSK", departure = "05:37" },
-  { station = "SHN", arrival = "05:42", departure = "05:43" },
-  { station = "OGN", track = "1", arrival = "05:57" },
-]
-
-[[trains]]
-number = "2U"
-direction = "up"
-begins = "from:1D"
-ends = "stabled"
-calls = [
-  { station = "OGN", track = "1", departure = "06:05" },
-  { station = "HSK", arrival = "06:26" },
-]
-
-[[diagrams]]
-stock = "V1"
-trains = ["1D", "2U"]
-"""
+TURN_BACK_TIMETABLE = timetable_of(
+    "turn_back",
+    "karasuyama",
+    "1D down, portal:HSK.MD to becomes:2U: HSK -/05:37; SHN 05:42/05:43; OGN 1 05:57/-",
+    "2U up, from:1D to stabled: OGN 1 -/06:05; HSK 06:26/-",
+    dwell_min_s=20,
+    V1="1D 2U",
+)
 TURN_BACK_SCENARIO = """
 extends = "karasuyama_weekday"
 id = "turn_back"

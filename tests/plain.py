@@ -22,3 +22,10 @@ def drill_on_plain(name: str | Path) -> Drill:
     """`run_drill` of a drill or its file."""
     carrier = carrier_of(load_scenario(find_drill(str(name))))
     return run_drill(str(name), PartyLink.SIMULATED, carrier=carrier)
+
+
+def drill_of(folder: Path, text: str) -> Drill:
+    """`run_drill` of a drill with this text, which is written into the folder."""
+    file = folder / "drill.toml"
+    file.write_text(text, "utf-8")
+    return drill_on_plain(file)

@@ -1,13 +1,15 @@
 """Timetables of tests, a line for each train: its number, direction and ends, and where it calls when.
 
-`"4B up, stabled to portal:HSK.MD: KRS -/07:30; OGN 2 07:55/08:05; HSK 08:27/-"` runs from Karasuyama to a portal.
+`"4B up, stabled to portal:HSK.MD: KRS -/07:30; OGN 2 07:55/08:05; HSK 08:27/-"` runs from Karasuyama to a portal;
+`NIT pass 07:07:20` runs through, and a stop with ` operational` behind it is for nobody.
 """
 
 import re
 from typing import Final
 
 TRAIN: Final = re.compile(r"(\w+) (up|down), (\S+) to (\S+): (.+)")
-CALL: Final = re.compile(r"(\w+) (?:(\w+) )?([\d:]+|-)/([\d:]+|-)")
+CALL: Final = re.compile(r"(\w+) (?:(\w+) )?([\d:]+|-)/([\d:]+|-)( operational)?")
+PASSING: Final = re.compile(r"(\w+) pass ([\d:]+)")
 
 
 def day_of(*trains: str, **stock: str) -> str:
@@ -35,8 +37,10 @@ def _train(text: str) -> str:
 
 
 def _call(text: str) -> str:
+    if passing := PASSING.fullmatch(text):
+        return f'{{ station = "{passing[1]}", pass = "{passing[2]}" }}'
     found = CALL.fullmatch(text)
     assert found, text
-    keys = dict(zip(("station", "track", "arrival", "departure"), found.groups(), strict=True))
-    given = (f'{key} = "{value}"' for key, value in keys.items() if value not in (None, "-"))
-    return f"{{ {', '.join(given)} }}"
+    keys = dict(zip(("station", "track", "arrival", "departure"), found.groups(), strict=False))
+    given = [f'{key} = "{value}"' for key, value in keys.items() if value not in (None, "-")]
+    return f"{{ {', '.join([*given, 'operational = true'] if found[5] else given)} }}"

@@ -31,7 +31,7 @@ def patched_train(path: Path, patches: Sequence[PatchInFile]) -> tuple[TrainType
             train = train_of(data, str(path))
         except InputError as error:
             raise patched.blame(error) from error
-    changes = differences(path.name, _figures(before), _figures(data))
+    changes = differences(path.name, figures_alone(before), figures_alone(data))
     return train, data, tuple(changes)
 
 
@@ -56,7 +56,8 @@ def _patched(data: Mapping[str, Any], asked: PatchInFile) -> Patched:
     return patched
 
 
-def _figures(data: Mapping[str, Any]) -> dict[str, Any]:
+def figures_alone(data: Mapping[str, Any]) -> dict[str, Any]:
+    """A train file without where its figures come from."""
     return {key: value for key, value in data.items() if key != "provenance"}
 
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import codecs
 import stat
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
 from network.errors import InputError
 from network.raw import is_list, is_table
@@ -45,18 +47,25 @@ def read_text(path: Path, bytes_max: int = TOML_BYTES_MAX) -> str:
 
 def read_bytes(path: Path, bytes_max: int) -> bytes:
     """What a file holds. Raises InputError for what is no file, cannot be read or is larger than `bytes_max`."""
+    with opened(path) as stream:
+        data = stream.read(bytes_max + 1)
+    if len(data) > bytes_max:
+        raise InputError(str(path), "", None, f"a file of at most {bytes_max >> 20} MiB")
+    return data
+
+
+@contextmanager
+def opened(path: Path) -> Generator[BinaryIO]:
+    """A file to read. Raises InputError for what is no file, and when it cannot be read."""
     file = str(path)
     try:
         if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():
             raise InputError(file, "", None, "a file, and no pipe or device")
         with path.open("rb") as stream:
-            data = stream.read(bytes_max + 1)
+            yield stream
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) else error
         raise InputError(file, "", None, f"a readable file ({why})") from error
-    if len(data) > bytes_max:
-        raise InputError(file, "", None, f"a file of at most {bytes_max >> 20} MiB")
-    return data
 
 
 def _decoded(file: str, data: bytes) -> str:

@@ -28,6 +28,7 @@ from onboard.authority.records import (
     Write,
 )
 from onboard.authority.tables import REFUSED_REPEAT_S, Result, SignOnStanding, Table, report_now
+from onboard.plan import PointsNeeded
 
 
 def throw(state: Authority, event: Throw) -> Result:
@@ -43,15 +44,7 @@ def checked_by_crew(state: Authority, event: CheckedByCrew) -> Result:
     needed = event.points
     if needed in state.proven:
         return state, ()
-    over = [c for c in state.commands if c.needed == needed]
-    checked = replace(
-        state,
-        proven=(*state.proven, needed),
-        commands=tuple(c for c in state.commands if c not in over),
-        unsaid=tuple(other for other in state.unsaid if other != needed),
-    )
-    note = notes.Proven(points_id=needed.points_id, position=needed.position, token=0, by_crew=True)
-    return checked, (*(StopTimer(c.timer) for c in over), Write(note))
+    return _proven(state, needed, by_crew=True)
 
 
 def withdrawn(state: Authority, event: Withdrawn) -> Result:
@@ -75,16 +68,21 @@ def proof(state: Authority, event: ProofHeard) -> Result:
             return state, ()
         if event.position != needed.position.value:
             return state, (Commit(needed),)
-        over = [c for c in state.commands if c.needed == needed]
-        proven = replace(
-            state,
-            commands=tuple(c for c in state.commands if c not in over),
-            unsaid=tuple(other for other in state.unsaid if other != needed),
-            proven=(*state.proven, needed),
-        )
-        note = notes.Proven(points_id=needed.points_id, position=needed.position, token=0)
-        return proven, (*(StopTimer(c.timer) for c in over), Write(note))
+        return _proven(state, needed)
     return _lost(state, event)
+
+
+def _proven(state: Authority, needed: PointsNeeded, *, by_crew: bool = False) -> Result:
+    """They lie right: no command for them is open any more."""
+    over = [c for c in state.commands if c.needed == needed]
+    proven = replace(
+        state,
+        commands=tuple(c for c in state.commands if c not in over),
+        unsaid=tuple(other for other in state.unsaid if other != needed),
+        proven=(*state.proven, needed),
+    )
+    note = notes.Proven(points_id=needed.points_id, position=needed.position, token=0, by_crew=by_crew)
+    return proven, (*(StopTimer(c.timer) for c in over), Write(note))
 
 
 def _lost(state: Authority, event: ProofHeard) -> Result:

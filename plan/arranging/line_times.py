@@ -23,6 +23,7 @@ from study.capacity.occupation import TOUCH_S
 from study.capacity.rules import Rules
 from study.capacity.theory import Theory
 from study.feasibility.planned import PlannedTrain, planned_day
+from study.measures.standard_times import stations_along
 from vehicle.train_file import TrainType
 
 ALONE: Final = Rules(late=True, throws=True, unslowed=True)
@@ -123,22 +124,11 @@ def line_times(line: Line, train: TrainType, dwell_min_s: float) -> LineTimes:
     setup = Setup("measured", line, no_trains(line, dwell_min_s), {"": train})
     found = LineTimes(setup)
     for direction in Direction:
-        stations = _stations(line, direction)
+        stations = stations_along(line, direction)
         for stops in _patterns(len(stations)):
             _measure(found, direction, stations, stops)
         _measure_other_tracks(found, direction, stations)
     return found
-
-
-def _stations(line: Line, direction: Direction) -> list[Station]:
-    """Those with a mark for the direction in order of travel, from the first with tracks of its own to the last."""
-    found = [
-        station
-        for station in sorted(line.stations.values(), key=lambda s: s.position_m * direction)
-        if any(direction in track.marks_m for track in station.tracks)
-    ]
-    ends = [i for i, station in enumerate(found) if not station.is_halt]
-    return found[ends[0] : ends[-1] + 1] if len(ends) > 1 else []
 
 
 def _patterns(count: int) -> Iterator[tuple[bool, ...]]:

@@ -42,6 +42,7 @@ class CableFault(Fault[tuple[CableCut, ...]]):
 
     aims_at = "stretch of the cable"
     changes = "cable"
+    in_order = ()
     target: str
 
     @classmethod
@@ -51,9 +52,6 @@ class CableFault(Fault[tuple[CableCut, ...]]):
     @property
     def place(self) -> tuple[str, str]:
         return self.changes, WHOLE
-
-    def base(self) -> tuple[CableCut, ...]:
-        return ()
 
 
 class CutCable(CableFault):

@@ -6,28 +6,19 @@ its charge.
 
 from __future__ import annotations
 
-from simulation.faults.fault import Fault, Names
+from simulation.faults.fault import Fault, SwitchedFault
 
 
-class ChargerFault(Fault[bool]):
+class ChargerFault(SwitchedFault, Fault[bool]):
     """Whether the charger of a station works; `target` is the station."""
 
     aims_at = "charger"
     changes = "charger"
+    in_order = True
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.chargers
-
-    def base(self) -> bool:
-        return True
 
 
 class ChargerDead(ChargerFault):
     """The charger of a station gives no power."""
 
     kind = "charger_dead"
-
-    def applied_to(self, _works: bool) -> bool:
-        return False

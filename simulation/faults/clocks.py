@@ -13,7 +13,7 @@ from pydantic import Field, PrivateAttr
 
 from network.files.quantities import ClockDrift, ClockOffset
 from simulation.clock import Clock
-from simulation.faults.fault import Fault, Names, Onset
+from simulation.faults.fault import Fault, Onset
 
 
 class ClockFault(Fault[Clock]):
@@ -21,14 +21,8 @@ class ClockFault(Fault[Clock]):
 
     aims_at = "device"
     changes = "clock"
+    in_order = Clock()
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return *names.devices, *names.units
-
-    def base(self) -> Clock:
-        return Clock()
 
 
 class WrongClock(ClockFault):

@@ -5,28 +5,19 @@ They are seen where the road is carried: by SUMO. A run on plain track has no ro
 
 from __future__ import annotations
 
-from simulation.faults.fault import Fault, Names
+from simulation.faults.fault import Fault, SwitchedFault
 
 
-class CrossingRoadFault(Fault[bool]):
+class CrossingRoadFault(SwitchedFault, Fault[bool]):
     """Whether a vehicle has stalled on a crossing; `target` is the crossing."""
 
     aims_at = "level crossing"
     changes = "stalled vehicle"
+    in_order = False
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.crossings
-
-    def base(self) -> bool:
-        return False
 
 
 class StalledVehicle(CrossingRoadFault):
     """A road vehicle stands on the track, one that is on the crossing then or another; in the end it drives on."""
 
     kind = "stalled_vehicle"
-
-    def applied_to(self, _stands: bool) -> bool:
-        return True

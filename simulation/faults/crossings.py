@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final
 
-from simulation.faults.fault import Fault, Names
+from simulation.faults.fault import Fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,14 +33,8 @@ class CrossingFault(Fault[CrossingCondition]):
 
     aims_at = "level crossing"
     changes = "crossing"
+    in_order = IN_ORDER
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.crossings
-
-    def base(self) -> CrossingCondition:
-        return IN_ORDER
 
 
 class BarriersStuck(CrossingFault):

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from simulation.faults.fault import Fault, Names
+from simulation.faults.fault import Fault, SwitchedFault
 
 
 class DeviceFault(Fault[bool]):
@@ -21,21 +21,12 @@ class DeviceFault(Fault[bool]):
     aims_at = "device"
     target: str
 
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return *names.devices, *names.units
 
-
-class PowerFault(DeviceFault):
+class PowerFault(SwitchedFault, DeviceFault):
     """Whether a device has power."""
 
     changes = "power"
-
-    def base(self) -> bool:
-        return True
-
-    def applied_to(self, _on: bool) -> bool:
-        return False
+    in_order = True
 
 
 class PowerCut(PowerFault):
@@ -57,14 +48,9 @@ class Restart(PowerFault):
     momentary: ClassVar[bool] = True
 
 
-class Frozen(DeviceFault):
+class Frozen(SwitchedFault, DeviceFault):
     """The device does nothing, then handles what it has received meanwhile."""
 
     kind = "frozen"
     changes = "frozen"
-
-    def base(self) -> bool:
-        return False
-
-    def applied_to(self, _frozen: bool) -> bool:
-        return True
+    in_order = False

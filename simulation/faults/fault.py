@@ -56,6 +56,19 @@ class Names:
         """Those who work a line by substitute working, each at its place."""
         return tuple(sorted({post for post, _ in self.steps}))
 
+    def aimed_at(self, what: str) -> tuple[str, ...]:
+        """All of a kind of target (`Fault.aims_at`)."""
+        return {
+            "charger": self.chargers,
+            "device": (*self.devices, *self.units),
+            "group of markers": self.markers,
+            "level crossing": self.crossings,
+            "points": self.points,
+            "section": self.sections,
+            "tag": self.tags,
+            "unit": self.units,
+        }[what]
+
 
 @dataclass(frozen=True, slots=True)
 class Onset:
@@ -72,6 +85,7 @@ class Fault(Record, Generic[V]):
     kind: ClassVar[str]  # the word in files
     aims_at: ClassVar[str]  # kind of target, in words
     changes: ClassVar[str]  # the quantity; faults on the same quantity of the same target are folded
+    in_order: ClassVar[Any]  # the quantity without any fault, unless `base` tells it
     momentary: ClassVar[bool] = False  # begins and ends at once
     of_sensor: ClassVar[PositionSensor | None] = None  # a unit that does not carry it never notices
 
@@ -80,7 +94,7 @@ class Fault(Record, Generic[V]):
     @classmethod
     def targets(cls, names: Names) -> tuple[str, ...]:
         """What it may aim at."""
-        raise NotImplementedError
+        return names.aimed_at(cls.aims_at)
 
     def wrong_target(self, names: Names) -> str:
         """What should stand in place of a target that does not exist; empty if it does."""
@@ -97,7 +111,8 @@ class Fault(Record, Generic[V]):
 
     def base(self) -> V:
         """The quantity without any fault."""
-        raise NotImplementedError
+        value: V = self.in_order
+        return value
 
     def applied_to(self, value: V, /) -> V:
         """What the fault makes of the quantity."""
@@ -113,15 +128,20 @@ class Fault(Record, Generic[V]):
         return self.model_dump(exclude={"target"})
 
 
+class SwitchedFault:
+    """What is as it should be (`in_order`) or is not: comes before the family among the bases."""
+
+    in_order: ClassVar[Any]
+
+    def applied_to(self, _value: bool, /) -> bool:
+        return not self.in_order
+
+
 class UnitFault(Fault[V], Generic[V]):
     """A kind of failure of one train's equipment, named by the stock that has it."""
 
     aims_at = "unit"
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.units
 
 
 class SensorFault(UnitFault[V], Generic[V]):

@@ -26,10 +26,8 @@ class GnssFault(UnitFault[Reception]):
     """What the receiver of a train shows; nothing where it has none."""
 
     changes = "gnss"
+    in_order = Reception()
     of_sensor = PositionSensor.GNSS
-
-    def base(self) -> Reception:
-        return Reception()
 
 
 class GnssAntenna(GnssFault):

@@ -7,7 +7,7 @@ import math
 from pydantic import Field
 
 from network.files.quantities import VisibilityM
-from simulation.faults.fault import Fault, Names, UnitFault
+from simulation.faults.fault import Fault, SwitchedFault, UnitFault
 from simulation.settings import PositionSensor
 
 
@@ -15,10 +15,8 @@ class LidarFault(UnitFault[float]):
     """What a train's LiDAR sees through besides the air of the day: visibility in m."""
 
     changes = "lidar"
+    in_order = math.inf
     of_sensor = PositionSensor.LIDAR
-
-    def base(self) -> float:
-        return math.inf
 
 
 class LidarBlind(LidarFault):
@@ -40,20 +38,11 @@ class LidarFog(LidarFault):
         return min(visibility_m, self.visibility_m)
 
 
-class MarkerMissing(Fault[bool]):
+class MarkerMissing(SwitchedFault, Fault[bool]):
     """One marker of a group is missing: the others are seen, but the pattern is not recognised."""
 
     kind = "marker_missing"
     aims_at = "group of markers"
     changes = "markers"
+    in_order = True
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.markers
-
-    def base(self) -> bool:
-        return True
-
-    def applied_to(self, _whole: bool) -> bool:
-        return False

@@ -62,6 +62,7 @@ class LinkFault(Fault[Telegram]):
 
     aims_at = "link"
     changes = "link"
+    in_order = ()
     target: Annotated[FaultyLink, BeforeValidator(FaultyLink.parse)]
     network: OfNetwork = Field(default="any", description=_ON_ONE)
     _chance: np.random.Generator | None = PrivateAttr(default=None)  # from when it has begun
@@ -88,9 +89,6 @@ class LinkFault(Fault[Telegram]):
         if self._chance is None:
             raise ValueError(f"{self.kind} has not begun")
         return self._chance
-
-    def base(self) -> Telegram:
-        return ()
 
     def applied_to(self, telegram: Telegram) -> Telegram:
         return tuple(
@@ -192,6 +190,7 @@ class DeadZone(Fault[tuple[LineStretch, ...]]):
     kind = "dead_zone"
     aims_at = "section"
     changes = "coverage"
+    in_order = ()
     target: str
     from_share: Share = Field(
         default=0.0,
@@ -199,13 +198,6 @@ class DeadZone(Fault[tuple[LineStretch, ...]]):
     )
     length_m: Distance = Field(description="its length, also beyond the section")
     network: OfNetwork = Field(default="any", description=_ON_ONE)
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.sections
-
-    def base(self) -> tuple[LineStretch, ...]:
-        return ()
 
     def applied_to(self, dead: tuple[LineStretch, ...]) -> tuple[LineStretch, ...]:
         return (*dead, LineStretch(self.target, self.from_share, self.length_m, self.network))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pydantic import Field
 
 from network.files.quantities import Slowness
-from simulation.faults.fault import Fault, Names
+from simulation.faults.fault import Fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,14 +24,8 @@ class PointsFault(Fault[Condition]):
 
     aims_at = "points"
     changes = "points"
+    in_order = Condition()
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.points
-
-    def base(self) -> Condition:
-        return Condition()
 
 
 class Stuck(PointsFault):

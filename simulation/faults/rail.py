@@ -12,9 +12,7 @@ class RailFault(UnitFault[float]):
     """The adhesion under a train, as a share of what the weather leaves."""
 
     changes = "rail"
-
-    def base(self) -> float:
-        return 1.0
+    in_order = 1.0
 
 
 class Slippery(RailFault):

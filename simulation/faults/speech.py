@@ -19,9 +19,7 @@ class SpeechFault(UnitFault[tuple[str, ...]]):
     """What a unit claims besides what it holds."""
 
     changes = "claims"
-
-    def base(self) -> tuple[str, ...]:
-        return ()
+    in_order = ()
 
 
 class FalseClaims(SpeechFault):

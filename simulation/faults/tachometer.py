@@ -26,9 +26,7 @@ class ShownByTachometer(UnitFault[Reading]):
     """What the tachometer of a train shows."""
 
     changes = "tachometer"
-
-    def base(self) -> Reading:
-        return Reading()
+    in_order = Reading()
 
 
 class Scale(ShownByTachometer):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from network.files.quantities import TagId
-from simulation.faults.fault import Fault, Names
+from simulation.faults.fault import Fault
 
 
 class TagFault(Fault[int | None]):
@@ -14,10 +14,6 @@ class TagFault(Fault[int | None]):
     aims_at = "tag"
     changes = "tag"
     target: str
-
-    @classmethod
-    def targets(cls, names: Names) -> tuple[str, ...]:
-        return names.tags
 
     def base(self) -> int | None:
         return int(self.target)

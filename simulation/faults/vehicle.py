@@ -14,25 +14,20 @@ from pydantic import Field
 
 from network.files.quantities import Motors as MotorCount
 from network.files.quantities import Share
-from simulation.faults.fault import UnitFault
+from simulation.faults.fault import SwitchedFault, UnitFault
 
 
-class DoorsFault(UnitFault[bool]):
+class DoorsFault(SwitchedFault, UnitFault[bool]):
     """Whether the doors show that they are closed and locked."""
 
     changes = "doors"
-
-    def base(self) -> bool:
-        return True
+    in_order = True
 
 
 class Doors(DoorsFault):
     """The doors show that they are not closed and locked."""
 
     kind = "doors"
-
-    def applied_to(self, _closed: bool) -> bool:
-        return False
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +42,7 @@ class BrakeFault(UnitFault[BrakeState]):
     """What is wrong with a train's brakes."""
 
     changes = "brake"
-
-    def base(self) -> BrakeState:
-        return BrakeState()
+    in_order = BrakeState()
 
 
 class Brake(BrakeFault):
@@ -69,9 +62,7 @@ class MotorsFault(UnitFault[int]):
     """How many motors of a train are cut out (主電動機開放)."""
 
     changes = "motors"
-
-    def base(self) -> int:
-        return 0
+    in_order = 0
 
 
 class Motors(MotorsFault):

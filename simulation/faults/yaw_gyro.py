@@ -26,10 +26,8 @@ class GyroFault(UnitFault[Gyro]):
     """What the yaw gyro of a train shows; a train without one does not mind."""
 
     changes = "gyro"
+    in_order = Gyro()
     of_sensor = PositionSensor.CURVATURE
-
-    def base(self) -> Gyro:
-        return Gyro()
 
 
 class GyroDead(GyroFault):

@@ -23,6 +23,7 @@ from study.capacity.line_capacity import CompressionTerms, day_of, fullest_part,
 from study.capacity.occupation import OccupationCost
 from study.capacity.rules import MINIMAL, Rules
 from study.capacity.theory import occupations
+from study.record.columns import tenth
 
 BLOCKS: Final = 5  # as many as are published to give most
 FOLLOWS: Final = frozenset({HeadwayKind.FOLLOWING, HeadwayKind.OPEN})
@@ -46,17 +47,13 @@ class EquipmentFigures:
     def as_dict(self, prefix: str) -> dict[str, Any]:
         """For JSON and CSV."""
         return {
-            f"{prefix}_headway_s": _tenth(self.headway_s),
+            f"{prefix}_headway_s": tenth(self.headway_s),
             f"{prefix}_section": self.section_id,
-            f"{prefix}_block_headway_s": _tenth(self.block_headway_s),
-            f"{prefix}_meet_s": _tenth(self.meet_s),
-            f"{prefix}_percent": _tenth(100.0 * self.occupied_share),
+            f"{prefix}_block_headway_s": tenth(self.block_headway_s),
+            f"{prefix}_meet_s": tenth(self.meet_s),
+            f"{prefix}_percent": tenth(100.0 * self.occupied_share),
             f"{prefix}_part": self.part,
         }
-
-
-def _tenth(value: float) -> float | None:
-    return round(value, 1) if math.isfinite(value) else None
 
 
 @dataclass(frozen=True, slots=True)

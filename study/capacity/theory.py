@@ -3,8 +3,8 @@
 `occupations(setup)` is the day as units do it (`AS_UNITS`): a route is asked for `request_lead_s` before the departure,
 or at the approach tag of a track that the train runs through; its departure points are thrown at once, its arrival
 points at the approach tag (④); what lies behind is given back at the arrival tag (①), when the safe rear has left it.
-`Theory.of_journeys` is the same of any journeys, wherever they are moved to, by any rules: with `MINIMAL` a way is set
-as late as the train can still run unhindered (blocking time theory: Pachl, Railway Operation and Control).
+`Theory.of_day` is the same of any journeys, wherever they are moved to, by any rules: with `MINIMAL` a way is set as
+late as the train can still run unhindered (blocking time theory: Pachl, Railway Operation and Control).
 
 What comes from where: telegrams `links` (air, repeats), points the line file, running `driven` (the units' own
 prediction), bounds of the position `clearing` (`[unit]`, tags of the line), people `[operation]` and the timetable,
@@ -82,19 +82,6 @@ class Theory:
         ]
         return tuple(sorted(found, key=lambda o: (o.begin_s, o.section_id)))
 
-    def of_journeys(
-        self,
-        stock_id: str,
-        journeys: Sequence[TrainJourney],
-        lie_right: frozenset[tuple[str, str]] = frozenset(),
-    ) -> tuple[Occupation, ...]:
-        """The occupations of journeys that one stock runs one after another, wherever they were moved to.
-
-        Where the first begins on a track it is the stock's from then on, where the last ends until then.
-        """
-        ends_s = self.over_s(journeys[-1])
-        return tuple(occupation_of(p, ends_s) for p in self.passages(stock_id, journeys, lie_right))
-
     def setting(self, stock_id: str, lie_right: frozenset[tuple[str, str]] = frozenset()) -> Setting:
         """How the ways of a stock are set."""
         driving = self._driving[stock_id]
@@ -114,7 +101,10 @@ class Theory:
         journeys: Sequence[TrainJourney],
         lie_right: frozenset[tuple[str, str]] = frozenset(),
     ) -> tuple[SectionPassage, ...]:
-        """The moments of every section that the journeys of one stock take, in order; see `of_journeys`."""
+        """The moments of every section that journeys take which one stock runs one after another, in order.
+
+        Where the first begins on a track it is the stock's from then on, where the last ends until then.
+        """
         setting = self.setting(stock_id, lie_right)
         set_ups = [setting.set_ups(journey) for journey in journeys]
         standing = tuple(self._standing(stock_id, journeys, set_ups))

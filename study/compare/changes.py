@@ -10,6 +10,7 @@ from network.files.edits import Change, differences
 from network.files.toml_input import validate
 from scenario.scenario_file import ScenarioFile
 from study.compare.side import ComparedRun
+from vehicle.train_patch import figures_alone
 
 # What a scenario is called, and prose; what it names and what it patches is compared itself.
 _NO_SETTING: Final = ("extends", "id", "name", "assumed", "patch")
@@ -37,7 +38,7 @@ def input_changes(base: ComparedRun, new: ComparedRun) -> tuple[InputChange, ...
         *differences(_file(a.scenario["timetable"], b.scenario["timetable"]), a.timetable, b.timetable),
     ]
     for name in sorted({*a.trains} & {*b.trains}):
-        found += differences(_file(name, name), _figures(a.trains[name]), _figures(b.trains[name]))
+        found += differences(_file(name, name), figures_alone(a.trains[name]), figures_alone(b.trains[name]))
     for stock_id in sorted({*a.stock} & {*b.stock}):
         train_of = {"old": a.stock[stock_id], "new": b.stock[stock_id]}
         if a.stock[stock_id] != b.stock[stock_id]:
@@ -55,10 +56,6 @@ def _settings(scenario: Mapping[str, Any]) -> dict[str, Any]:
     """The scenario's own tables with all defaults: what one leaves out and the other says may be the same."""
     whole = validate(scenario, "scenario", ScenarioFile).model_dump(mode="json", by_alias=True)
     return {key: value for key, value in whole.items() if key not in _NO_SETTING}
-
-
-def _figures(train: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in train.items() if key != "provenance"}
 
 
 def _file(old: str, new: str) -> str:

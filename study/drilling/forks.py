@@ -15,7 +15,6 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable
-from types import TracebackType
 from typing import Final, Generic, NoReturn, Self, TypeVar
 
 import msgspec
@@ -70,9 +69,7 @@ class Forks(Generic[T]):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for _, copy in self._running.values():
             os.kill(copy.pid, signal.SIGKILL)
             os.waitpid(copy.pid, 0)

@@ -35,6 +35,7 @@ from study.capacity.two_trains import (
     ways_to_ask,
 )
 from study.measures.register_holds import section_holds
+from study.record.columns import tenth
 from study.runner.run import TEMPORARY, CarrierKind, RunOptions, carrier_factory, run_to_end
 from sumo_cfg.build import net_for
 from sumo_cfg.truth_map import read_net
@@ -109,17 +110,13 @@ class DrivenHeadway:
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV: times to 0.1 s."""
         return {
-            "driven_driving_s": _tenth(self.driving_s),
-            "driven_spared_s": _tenth(self.spared_s),
-            "driven_kept_s": _tenth(self.kept_s),
-            "driven_nearer_s": _tenth(self.nearer_s),
-            "driven_needs_s": _tenth(self.needs_s),
+            "driven_driving_s": tenth(self.driving_s),
+            "driven_spared_s": tenth(self.spared_s),
+            "driven_kept_s": tenth(self.kept_s),
+            "driven_nearer_s": tenth(self.nearer_s),
+            "driven_needs_s": tenth(self.needs_s),
             "driven_why": self.why,
         }
-
-
-def _tenth(time_s: float) -> float | None:
-    return round(time_s, 1) if math.isfinite(time_s) else None
 
 
 class HeadwayDrives:

@@ -14,12 +14,13 @@ from itertools import pairwise
 from typing import Any, Final
 
 from exchange.running import Running, StationRun
-from network.model import Direction, Line
+from network.model import Direction, Line, Station
 from network.timetable import Call, CallKind, Stabled, TimetableTrain, no_trains
 from onboard.mission import Mission, NoWay, plan_mission
 from simulation.setup import Setup
 from simulation.world.roster import first_section
 from study.measures.running_times import RunWay, TrainHop, least_times_s, planned_hops
+from study.record.columns import tenth
 from vehicle.running_time import laid_down_s
 from vehicle.train_file import TrainType
 
@@ -50,7 +51,7 @@ class StandardTime:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON and CSV: times to 0.1 s."""
-        times = {name: _tenth(getattr(self, name)) for name in HOW}
+        times = {name: tenth(getattr(self, name)) for name in HOW}
         return {
             "train": self.train,
             "direction": self.direction.name.lower(),
@@ -105,9 +106,9 @@ class PlannedRun:
             "leaves_s": self.leaves_s,
             "due_s": self.due_s,
             "planned_s": round(self.planned_s, 1),
-            "least_s": _tenth(self.least_s),
-            "margin_s": _tenth(self.margin_s),
-            "margin_percent": _tenth(100.0 * self.margin_s / self.least_s) if self.least_s > 0.0 else None,
+            "least_s": tenth(self.least_s),
+            "margin_s": tenth(self.margin_s),
+            "margin_percent": tenth(100.0 * self.margin_s / self.least_s) if self.least_s > 0.0 else None,
         }
 
 
@@ -187,20 +188,25 @@ def _along(setup: Setup, kind: TrainType, direction: Direction) -> Iterator[Stan
         )
 
 
+def stations_along(line: Line, direction: Direction) -> list[Station]:
+    """Those with a mark for the direction in order of travel, from the first with tracks of its own to the last."""
+    found = [
+        station
+        for station in sorted(line.stations.values(), key=lambda s: s.position_m * direction)
+        if any(direction in track.marks_m for track in station.tracks)
+    ]
+    ends = [i for i, station in enumerate(found) if not station.is_halt]
+    return found[ends[0] : ends[-1] + 1] if len(ends) > 1 else []
+
+
 def whole_line(line: Line, direction: Direction) -> Mission | None:
     """The way of a train over the whole line on its usual tracks, passing everything between its ends.
 
     None where there is none, or fewer than two stations have a mark for the direction.
     """
-    stations = [
-        station
-        for station in sorted(line.stations.values(), key=lambda s: s.position_m * direction)
-        if any(direction in track.marks_m for track in station.tracks)
-    ]
-    ends = [i for i, station in enumerate(stations) if not station.is_halt]
-    if len(ends) < 2:
+    stations = stations_along(line, direction)
+    if not stations:
         return None
-    stations = stations[ends[0] : ends[-1] + 1]
     kinds = [CallKind.OPERATIONAL, *(CallKind.PASS for _ in stations[1:-1]), CallKind.OPERATIONAL]
     calls = tuple(
         Call(station.id, None, i if kind is not CallKind.PASS else None, i, kind)
@@ -267,7 +273,3 @@ def smallest_margins(runs: tuple[PlannedRun, ...]) -> dict[tuple[str, Direction,
         if key not in found or run.margin_s < found[key].margin_s:
             found[key] = run
     return found
-
-
-def _tenth(time_s: float | None) -> float | None:
-    return None if time_s is None or not math.isfinite(time_s) else round(time_s, 1)

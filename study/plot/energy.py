@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -85,14 +86,19 @@ def draw_energy_hours(run: ChosenRun) -> Figure | None:
 
 def draw_energy_legs(run: ChosenRun) -> Figure | None:
     """Net energy of each leg, a panel a direction: a dot a train, a bar at the mean."""
-    panels = run.legs_by_direction(run.chosen_rows(run.tables.energy_legs))
+    return draw_by_direction(run, run.tables.energy_legs, 3.4, _draw_legs)
+
+
+def draw_by_direction(
+    run: ChosenRun, rows: pl.DataFrame, panel_in: float, draw: Callable[..., None], more_in: float = 0.0
+) -> Figure | None:
+    """A panel a direction, each by `draw` with the legs in it and their rows; None where there is no leg."""
+    panels = run.legs_by_direction(run.chosen_rows(rows))
     if not panels:
         return None
-    figure = Figure(figsize=(WIDTH_IN, 3.4 * len(panels)), layout="constrained")
-    for axes, (direction, ends, own) in zip(
-        figure.subplots(len(panels), 1, squeeze=False)[:, 0], panels, strict=True
-    ):
-        _draw_legs(axes, run, direction, ends, own)
+    figure = Figure(figsize=(WIDTH_IN, panel_in * len(panels) + more_in), layout="constrained")
+    for axes, panel in zip(figure.subplots(len(panels), 1, squeeze=False)[:, 0], panels, strict=True):
+        draw(axes, run, *panel)
     return figure
 
 

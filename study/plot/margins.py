@@ -9,20 +9,13 @@ from matplotlib.figure import Figure
 
 from network.model import Direction
 from study.plot.choice import ChosenRun
-from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, WIDTH_IN, dots
+from study.plot.energy import draw_by_direction
+from study.report.style import DIRECTION_COLOUR, PALE, RED, RULE, dots
 
 
 def draw_margins(run: ChosenRun) -> Figure | None:
     """A panel a direction, a column a hop: the margin of every train as planned, and what was left on its arrival."""
-    panels = run.legs_by_direction(run.chosen_rows(run.tables.margins))
-    if not panels:
-        return None
-    figure = Figure(figsize=(WIDTH_IN, 3.2 * len(panels) + 0.2), layout="constrained")
-    for axes, (direction, hops, own) in zip(
-        figure.subplots(len(panels), 1, squeeze=False)[:, 0], panels, strict=True
-    ):
-        _draw_hops(axes, run, direction, hops, own)
-    return figure
+    return draw_by_direction(run, run.tables.margins, 3.2, _draw_hops, 0.2)
 
 
 def _draw_hops(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Final, TypeAlias
 
 import polars as pl
@@ -60,3 +61,8 @@ def kwh(
 def said_in_both(name: str, seen: ShownIn = ShownIn.REPORT, context: str = "") -> Figure:
     """A text in both languages."""
     return Figure(phrase(name, context), seen=seen, kind=Kind.SAID)
+
+
+def tenth(value: float | None) -> float | None:
+    """To a tenth; None for what is none, or has no end."""
+    return None if value is None or not math.isfinite(value) else round(value, 1)

@@ -55,7 +55,8 @@ def draw_run_curve(run: ReportedRun, unit: str, train: str) -> Figure:
     _draw_speeds(speed, run.line, alignment, course, direction)
     draw_gradients(gradient, alignment, direction, high_m - low_m)
     _draw_curves(curve, alignment, direction, high_m - low_m)
-    _draw_notches(notch, course)
+    draw_notches(notch, course, (TRACTION, RED), 0.75, 4)
+    notch.set_ylabel("notch")
     mark_stations(run, (speed, gradient, curve, notch), low_m, high_m)
     _mark_crossings(speed, run, alignment, (unit, train))
     notch.xaxis.set_major_locator(MaxNLocator(24, steps=[1, 2, 5, 10]))
@@ -172,14 +173,16 @@ def _figure(axes: Axes, at_m: float, value: float, text: str) -> None:
     beside(axes, text, (at_m, value), (0, 1.5 if value > 0 else -1.5), 5.5, color=INK, annotation_clip=True)
 
 
-def _draw_notches(axes: Axes, course: pl.DataFrame) -> None:
+def draw_notches(
+    axes: Axes, course: pl.DataFrame, colours: tuple[str, str], brake_alpha: float, ticks: int
+) -> None:
+    """Power up, brake down, in a colour each."""
     at_m = course["kilometrage_m"].to_numpy()
     notch = np.nan_to_num(course["notch"].to_numpy())
-    axes.fill_between(at_m, np.maximum(notch, 0), step="post", color=TRACTION, lw=0)
-    axes.fill_between(at_m, np.minimum(notch, 0), step="post", color=RED, alpha=0.75, lw=0)
+    axes.fill_between(at_m, np.maximum(notch, 0), step="post", color=colours[0], lw=0)
+    axes.fill_between(at_m, np.minimum(notch, 0), step="post", color=colours[1], alpha=brake_alpha, lw=0)
     axes.axhline(0, color=PALE, lw=0.5)
-    axes.yaxis.set_major_locator(MaxNLocator(4, integer=True))
-    axes.set_ylabel("notch")
+    axes.yaxis.set_major_locator(MaxNLocator(ticks, integer=True))
 
 
 def mark_stations(run: ReportedRun, panels: tuple[Axes, ...], low_m: float, high_m: float) -> None:

@@ -16,9 +16,9 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from network.model import Direction
 from study.record.driving import DrivenHop
 from study.record.figure import rows_in
-from study.report.curve import KMH_PER_MPS, alignment_of, draw_gradients, in_km, mark_stations
+from study.report.curve import KMH_PER_MPS, alignment_of, draw_gradients, draw_notches, in_km, mark_stations
 from study.report.data import ReportedRun, limits_mps
-from study.report.style import INK, PALE, RULE, UNIT_COLOURS, WIDTH_IN, beside, drawing
+from study.report.style import INK, RULE, UNIT_COLOURS, WIDTH_IN, beside, write_figure
 
 PICTURE: Final = "laws"
 SPEED_IN: Final = 3.4
@@ -108,12 +108,7 @@ def _extent_m(driven: Sequence[DrivenHopShown]) -> tuple[float, float]:
 
 def _draw_notches(axes: Axes, one: DrivenHopShown, colour: str) -> None:
     """Power up, brake down, with the name of the law at the left and how often each changed at the right."""
-    at_m = one.samples["kilometrage_m"].to_numpy()
-    notch = np.nan_to_num(one.samples["notch"].to_numpy())
-    axes.fill_between(at_m, np.maximum(notch, 0), step="post", color=colour, lw=0)
-    axes.fill_between(at_m, np.minimum(notch, 0), step="post", color=colour, alpha=0.45, lw=0)
-    axes.axhline(0, color=PALE, lw=0.5)
-    axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
+    draw_notches(axes, one.samples, (colour, colour), 0.45, 3)
     axes.tick_params(axis="y", labelsize=6)
     axes.spines[:].set_color(RULE)
     hop = one.hop
@@ -142,10 +137,4 @@ def write_hop(runs: Sequence[ReportedRun], which: tuple[str, str], folder: Path)
     found = [driving for run in runs if (driving := driving_of(run, *which)) is not None]
     if not found:
         return ()
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = tuple(folder / f"{PICTURE}-{'-'.join(which)}.{kind}" for kind in ("svg", "png"))
-    with drawing():
-        figure = draw_hop(runs[0], found)
-        figure.savefig(paths[0], metadata={"Date": None, "Creator": None})
-        figure.savefig(paths[1], dpi=130, metadata={"Software": None})
-    return paths
+    return write_figure(f"{PICTURE}-{'-'.join(which)}", lambda: draw_hop(runs[0], found), folder)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -10,6 +9,7 @@ from typing import Any, Final
 from network.raw import is_table
 from onboard.driving.tuning import OFFSET_STEP_MPS2, OFFSET_ZERO, STEP_S
 from study.measures.wait_text import text_of
+from study.record.columns import tenth
 from study.record.figure import rows_in
 from study.record.marks import DrillShown, Mark
 from study.record.parts import PagePart
@@ -104,9 +104,9 @@ def _mark(mark: Mark) -> dict[str, Any]:
         "label": mark.label,
         "kind": mark.kind.value,
         "text": mark.said.both,
-        "from": _finite(mark.from_s),
-        "to": _finite(mark.to_s),
-        "at": None if mark.at_s is None else _finite(mark.at_s),
+        "from": tenth(mark.from_s),
+        "to": tenth(mark.to_s),
+        "at": tenth(mark.at_s),
         "stretches": [[round(low, 1), round(high, 1)] for low, high in mark.where.stretches_m],
         "units": list(mark.where.units),
         "passed": mark.passed,
@@ -114,15 +114,11 @@ def _mark(mark: Mark) -> dict[str, Any]:
     }
 
 
-def _finite(value: float) -> float | None:
-    return round(value, 1) if math.isfinite(value) else None
-
-
 def _broken_at(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Broken invariants that have a time, for their marks on the graph."""
     return [
         {
-            "t": _finite(item["t_s"]),
+            "t": tenth(item["t_s"]),
             "kind": phrase("broken invariant").both,
             "checker": checker_name(str(item.get("checker", ""))).both,
             "text": [str(item.get("text", "")), str(item.get("ja") or item.get("text", ""))],

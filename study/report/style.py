@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from html import escape
 from io import StringIO
 from itertools import accumulate
+from pathlib import Path
 from statistics import fmean
 from typing import TYPE_CHECKING, Any, Final
 
@@ -92,6 +93,17 @@ def drawing() -> Generator[None]:
         mpl.rcdefaults()
         mpl.rcParams.update({**_TYPE, "font.family": list(_font_family())})
         yield
+
+
+def write_figure(name: str, draw: Callable[[], Figure], folder: Path) -> tuple[Path, ...]:
+    """Draw a figure and write it as SVG and PNG below `folder`, which is made; the files written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = tuple(folder / f"{name}.{kind}" for kind in ("svg", "png"))
+    with drawing():
+        figure = draw()
+        figure.savefig(paths[0], metadata={"Date": None, "Creator": None})
+        figure.savefig(paths[1], dpi=130, metadata={"Software": None})
+    return paths
 
 
 def svg_of(figure: Figure, name: str, tips: Mapping[str, str] | None = None) -> str:

@@ -401,11 +401,6 @@ def _write_files(run: FinishedRun, place: Reserved, drill: DrillShown | None, mo
     write_report(folder, setup.line, setup.timetable, run.tables, facts, tuned, drill, parts, more.beside)
 
 
-def broken_by(result: RunResult, setup: Setup) -> tuple[str, ...]:
-    """`broken_said` in English."""
-    return tuple(said.en for said in broken_said(result, setup))
-
-
 def broken_said(result: RunResult, setup: Setup) -> tuple[Phrase, ...]:
     """What makes a run a failure: broken rules, what is missing to its end, and who waits for what."""
     broken = [said for _, said in rules_said(result)]

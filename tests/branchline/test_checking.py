@@ -13,6 +13,7 @@ from branchline.checking import _print_found  # pyright: ignore[reportPrivateUsa
 from branchline.drilling import tell_of_plan
 from scenario.scenario import load_scenario
 from study.feasibility.finding import Feasibility, Finding, FindingKind, Severity
+from tests.trains import day_of
 
 LINE = Path(__file__).parents[1] / "examples/line"
 
@@ -213,9 +214,7 @@ def test_of_two_that_leave_in_the_same_second_the_one_goes_first_that_does_so_in
     assert main("new", "line", "abc.csv", "abc.toml", "--scenario", "day.toml").code == 0
     text = 'timetable = { id = "day_times", line = "abc", dwell_min_s = 20 }\n'
     for name, n, to in (("slow", 1, "06:20"), ("fast", 2, "06:10")):
-        text += f"""[[trains]]\nnumber = "{name}"\ndirection = "down"\nbegins = "stabled"\nends = "stabled"
-calls = [{{ station = "A", track = "{n}", departure = "06:00" }}, {{ station = "C", track = "{n}", arrival = "{to}" }}]
-[[diagrams]]\nstock = "V{n}"\ntrains = ["{name}"]\n"""
+        text += day_of(f"{name} down, stabled to stabled: A {n} -/06:00; C {n} {to}/-", **{f"V{n}": name})
     (tmp_path / "day_times.toml").write_text(text, "utf-8")
     assert "fast is to follow slow at 06:00" in main("check", "day.toml").out
     assert main("run", "day.toml", "--anyway", "--carrier", "plain", "--out", "run").code == 0

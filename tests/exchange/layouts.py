@@ -6,6 +6,11 @@
 Birch stands at km 1.2 with a platform on each of its tracks, Cedar at km 1.9.
 """
 
+from collections.abc import Callable
+from pathlib import Path
+
+from network.errors import InputError
+
 RAILML_2 = """<?xml version="1.0" encoding="UTF-8"?>
 <railml xmlns="https://www.railml.org/schemas/2018" version="2.4">
   <infrastructure id="is" name="Small">
@@ -197,3 +202,14 @@ OSM = "\n".join(
         "</osm>",
     )
 )
+
+
+def leave_out_each_line(text: str, file: Path, read: Callable[[Path], object]) -> None:
+    """No damage of one line is a bug: the layout lacks it, or one message says what is missing."""
+    lines = text.split("\n")
+    for number in range(1, len(lines) - 1):
+        file.write_text("\n".join(lines[:number] + lines[number + 1 :]), "utf-8")
+        try:
+            read(file)
+        except InputError as error:
+            assert "\n" not in str(error)

@@ -28,9 +28,14 @@ def geometry(tmp_path: Path) -> tuple[Path, Path]:
     return polyline, stations
 
 
-def joined(tmp_path: Path, geometry: tuple[Path, Path], text: str) -> NewLine:
-    path = tmp_path / "list.csv"
+def table(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "table.csv"
     path.write_text(text, "utf-8")
+    return path
+
+
+def joined(tmp_path: Path, geometry: tuple[Path, Path], text: str) -> NewLine:
+    path = table(tmp_path, text)
     return make_line(path, "joined", NewLineOptions(polyline=geometry[0], stations_geometry=geometry[1]))
 
 
@@ -101,8 +106,7 @@ def test_a_signal_station_of_which_only_the_neighbours_are_known_lies_in_their_m
 
 
 def test_a_list_without_geometry_may_leave_out_where_a_signal_station_is(tmp_path: Path) -> None:
-    path = tmp_path / "list.csv"
-    path.write_text("name,km,tracks,kind\nAsa,0,2,\nMiddle,,2,signal station\nBato,6,2,\n", "utf-8")
+    path = table(tmp_path, "name,km,tracks,kind\nAsa,0,2,\nMiddle,,2,signal station\nBato,6,2,\n")
     new = make_line(path, "listed", NewLineOptions())
     assert [s.position_m for s in new.line.stations.values()] == [0.0, 3000.0, 6000.0]
     assert any(text.startswith("Middle (MDD): km 3.000, in the middle") for text in new.rows)
@@ -118,8 +122,7 @@ def test_a_list_without_geometry_may_leave_out_where_a_signal_station_is(tmp_pat
     ids=["two", "at the end", "a station"],
 )
 def test_others_of_which_nobody_says_where_they_are_are_refused(tmp_path: Path, rows: str) -> None:
-    path = tmp_path / "list.csv"
-    path.write_text(f"name,km,tracks,kind\n{rows}", "utf-8")
+    path = table(tmp_path, f"name,km,tracks,kind\n{rows}")
     with pytest.raises(InputError, match="a kilometrage: there is no geometry"):
         make_line(path, "listed", NewLineOptions())
 
@@ -135,16 +138,9 @@ def test_a_poor_fit_is_remarked_on(tmp_path: Path, geometry: tuple[Path, Path]) 
 
 
 def test_one_file_of_the_geometry_is_not_enough(tmp_path: Path) -> None:
-    path = tmp_path / "list.csv"
-    path.write_text("name,km\nA,0\nB,3\n", "utf-8")
+    path = table(tmp_path, "name,km\nA,0\nB,3\n")
     with pytest.raises(InputError, match="--stations-geometry"):
         make_line(path, "x", NewLineOptions(polyline=path))
-
-
-def table(tmp_path: Path, text: str) -> Path:
-    path = tmp_path / "table.csv"
-    path.write_text(text, "utf-8")
-    return path
 
 
 def test_gradients_are_level_in_gaps_and_cut_at_the_ends(tmp_path: Path) -> None:

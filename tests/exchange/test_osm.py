@@ -12,7 +12,7 @@ from exchange.layout_geometry import stem_and_legs
 from exchange.osm import read_osm
 from network.errors import InputError
 from network.model import CrossingClass
-from tests.exchange.layouts import OSM, osm_node, osm_way
+from tests.exchange.layouts import OSM, leave_out_each_line, osm_node, osm_way
 
 SHARED = Path(__file__).resolve().parents[2] / "../shared/data/osm/bad_hersfeld_rail.osm.xml"
 needs_shared = pytest.mark.skipif(not SHARED.is_file(), reason="OSM cut (../shared/data/osm) absent")
@@ -200,14 +200,7 @@ def test_a_truncated_file_gets_one_line(tmp_path: Path) -> None:
 
 
 def test_a_line_left_out_is_bad_input_or_said(tmp_path: Path) -> None:
-    lines = OSM.split("\n")
-    for number in range(1, len(lines) - 1):
-        path = tmp_path / "cut.osm"
-        path.write_text("\n".join(lines[:number] + lines[number + 1 :]), "utf-8")
-        try:
-            read_osm(path)
-        except InputError as error:
-            assert "\n" not in str(error)
+    leave_out_each_line(OSM, tmp_path / "cut.osm", read_osm)
 
 
 @given(

@@ -8,7 +8,7 @@ import pytest
 from exchange.layout import ForeignLayout, NodeKind, TurnoutSide
 from exchange.railml import read_railml
 from network.errors import InputError
-from tests.exchange.layouts import RAILML_2, RAILML_3
+from tests.exchange.layouts import RAILML_2, RAILML_3, leave_out_each_line
 
 SHARED = Path(__file__).resolve().parents[2] / "../shared/data/railml"
 needs_shared = pytest.mark.skipif(
@@ -217,15 +217,7 @@ def test_a_truncated_file_gets_one_line(tmp_path: Path, text: str) -> None:
 
 @pytest.mark.parametrize("text", [RAILML_2, RAILML_3], ids=["2.4", "3.2"])
 def test_a_line_left_out_is_bad_input_or_said(tmp_path: Path, text: str) -> None:
-    """No damage of one line is a bug: the layout lacks it, or one message says what is missing."""
-    lines = text.split("\n")
-    for number in range(1, len(lines) - 1):
-        path = tmp_path / "layout.xml"
-        path.write_text("\n".join(lines[:number] + lines[number + 1 :]), "utf-8")
-        try:
-            read_railml(path)
-        except InputError as error:
-            assert "\n" not in str(error)
+    leave_out_each_line(text, tmp_path / "layout.xml", read_railml)
 
 
 def test_references_to_what_is_not_there_are_bad_input_or_left(tmp_path: Path) -> None:

@@ -30,9 +30,9 @@ from radio.noted import Noted, TelegramDropped
 from tests.host.exclusion_bench import World
 from tests.host.exclusion_trains import SECTIONS, UNITS, Where
 from tests.nightly import others_nightly
+from tests.system.switches_wayside import grants_what_another_holds
 from wayside import said
 from wayside.config import ReentryMode
-from wayside.register import Register
 
 SEEDS: Final = 16
 SLICE: Final = 2  # of them in every run
@@ -255,10 +255,6 @@ def test_walks_grant_run_and_disturb_enough(mode: ReentryMode) -> None:
     }
     assert granted_again > 10
     assert {kind: kinds[kind] for kind, count in enough.items() if kinds[kind] < count} == {}
-
-
-def grants_what_another_holds(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Register, "other_holder", lambda *_: None)
 
 
 def enters_on_any_acceptance(patch: pytest.MonkeyPatch) -> None:

@@ -78,14 +78,20 @@ class Line:
         self.say(unit_id, HoldingReport(section_ids, self.token[unit_id]))
 
 
-def after_a_power_cut() -> Line:
-    """The follower at A1 with block 1, behind the leader; then the manager starts again, and all say what they hold."""
+def behind_the_leader() -> Line:
+    """The follower at A1 with block 1, behind the leader."""
     line = Line()
     assert line.asks("follower", "B>A1")
     line.keeps("follower", "A1")
     assert line.asks("leader", "A2>B")
     line.keeps("leader", "2", "3", "B")
     assert line.asks("follower", "A1>B") == ("1",)
+    return line
+
+
+def after_a_power_cut() -> Line:
+    """The follower behind the leader; then the manager starts again, and all say what they hold."""
+    line = behind_the_leader()
     line.start()
     for unit_id, held in {"leader": ("2", "3", "B"), "follower": ("1", "A1"), "third": ("C1",)}.items():
         line.say(unit_id, Claim(held, line.token[unit_id]))
@@ -119,12 +125,7 @@ def test_a_manager_that_forgets_it_lets_both_stand_against_each_other(
 
 def test_a_train_in_its_part_is_on_its_way_and_not_back_where_it_came_from() -> None:
     """It has given its track back, and stands in block 1, through which it came to A before."""
-    line = Line()
-    assert line.asks("follower", "B>A1")
-    line.keeps("follower", "A1")
-    assert line.asks("leader", "A2>B")
-    line.keeps("leader", "2", "3", "B")
-    assert line.asks("follower", "A1>B") == ("1",)
+    line = behind_the_leader()
     line.keeps("follower", "1")
     assert line.asks("leader", "B>C2")
     line.keeps("leader", "C2")

@@ -18,6 +18,7 @@ from onboard.duty.records import (
     Looked,
     MarkRelation,
     PositionLost,
+    Sensed,
     StopLimit,
     Stopped,
     TagBelieved,
@@ -215,42 +216,45 @@ def test_a_stop_is_judged_by_the_next_mark(motion: UnitMotion, away_m: float, ho
     assert stopped.away_m == pytest.approx(away_m)
 
 
+def stopped_at(motion: UnitMotion, position_m: float, **row: float) -> list[Sensed]:
+    """What is told of a train under way that has come to a stand there."""
+    motion.obey(RUN, 0.0)
+    for name, value in {"position_m": position_m, "speed_mps": 0.0, **row}.items():
+        setattr(motion.row, name, value)
+    return motion.events(EVENT_STOPPED)
+
+
 def test_a_mark_beyond_the_limit_of_its_own_track_cannot_be_reached(motion: UnitMotion) -> None:
     """It went as far as it may on the track where it calls: it has arrived there, 10 m short."""
-    motion.obey(RUN, 0.0)
-    row = motion.row
-    row.position_m, row.speed_mps, row.stop_limit_m = MARK_B_M - 10.0, 0.0, MARK_B_M
-    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.AT, pytest.approx(-10.0))]
+    assert stopped_at(motion, MARK_B_M - 10.0, stop_limit_m=MARK_B_M) == [
+        Stopped(MarkRelation.AT, pytest.approx(-10.0))
+    ]
     assert [type(note).__name__ for note in motion.taken_notes()] == ["StopImpossible"]
     assert not motion.place().unsure
 
 
 def test_a_limit_before_its_track_that_came_too_late_is_no_stop(motion: UnitMotion, mission: Mission) -> None:
     """The train stands beyond the joint before which it was to stop, 10 m short of its mark: it goes on to that."""
-    motion.obey(RUN, 0.0)
-    row = motion.row
-    row.position_m, row.speed_mps = MARK_B_M - 10.0, 0.0
-    row.stop_limit_m = mission.span_at(MARK_B_M).start_m
-    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.SHORT, pytest.approx(-10.0))]
+    limit_m = mission.span_at(MARK_B_M).start_m
+    assert stopped_at(motion, MARK_B_M - 10.0, stop_limit_m=limit_m) == [
+        Stopped(MarkRelation.SHORT, pytest.approx(-10.0))
+    ]
 
 
 def test_a_crossing_before_its_mark_is_no_stop(motion: UnitMotion) -> None:
     """The road lies between the front and the mark, on the same track: what ends its way there is not its stop."""
-    motion.obey(RUN, 0.0)
-    row = motion.row
-    row.position_m, row.speed_mps, row.stop_limit_m = MARK_B_M - 10.0, 0.0, MARK_B_M - 5.0
-    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.SHORT, pytest.approx(-10.0))]
+    assert stopped_at(motion, MARK_B_M - 10.0, stop_limit_m=MARK_B_M - 5.0) == [
+        Stopped(MarkRelation.SHORT, pytest.approx(-10.0))
+    ]
 
 
 def test_held_short_of_it_by_its_own_bounds_it_is_unsure_until_the_driver_has_looked(
     motion: UnitMotion,
 ) -> None:
     """The mark lies well within what it may go to: where the train stands, only a look from its cab can tell."""
-    motion.obey(RUN, 0.0)
-    row = motion.row
-    row.position_m, row.bound_ahead_m, row.speed_mps = MARK_B_M - 10.0, 40.0, 0.0
-    row.stop_limit_m = MARK_B_M + 30.0
-    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.AT, pytest.approx(-10.0))]
+    assert stopped_at(motion, MARK_B_M - 10.0, bound_ahead_m=40.0, stop_limit_m=MARK_B_M + 30.0) == [
+        Stopped(MarkRelation.AT, pytest.approx(-10.0))
+    ]
     assert motion.place().unsure
     motion.at_mark(AtMark(1))
     assert not motion.place().unsure
@@ -261,11 +265,9 @@ def test_with_bounds_wider_than_the_eye_it_is_unsure_until_the_driver_has_looked
     motion: UnitMotion, bound_m: float, asked: bool
 ) -> None:
     """The eye tells to 6 m; a metre wider on either side and it is worth a look, whatever the estimate says."""
-    motion.obey(RUN, 0.0)
-    row = motion.row
-    row.position_m, row.speed_mps = MARK_B_M, 0.0
-    row.bound_ahead_m = row.bound_behind_m = bound_m
-    assert motion.events(EVENT_STOPPED) == [Stopped(MarkRelation.AT, pytest.approx(0.0))]
+    assert stopped_at(motion, MARK_B_M, bound_ahead_m=bound_m, bound_behind_m=bound_m) == [
+        Stopped(MarkRelation.AT, pytest.approx(0.0))
+    ]
     assert motion.place().unsure is asked
     motion.at_mark(AtMark(1))
     assert not motion.place().unsure
@@ -276,11 +278,8 @@ def test_bounds_too_wide_towards_the_mark_are_a_position_fault(
     motion: UnitMotion, away_m: float, bound: str
 ) -> None:
     """Short of it they leave no room to go on; beyond it, by wheels that lied, the train may as well stand at it."""
-    motion.obey(RUN, 0.0)
-    row = motion.row
-    row.position_m, row.speed_mps = MARK_B_M + away_m, 0.0
-    setattr(row, bound, UnitParameters().doubt_bound_max_m + 0.1)
-    assert motion.events(EVENT_STOPPED) == [PositionLost()]
+    too_wide_m = UnitParameters().doubt_bound_max_m + 0.1
+    assert stopped_at(motion, MARK_B_M + away_m, **{bound: too_wide_m}) == [PositionLost()]
 
 
 def test_a_tag_that_may_lie_behind_already_is_not_expected(motion: UnitMotion, mission: Mission) -> None:

@@ -1,6 +1,6 @@
 """What reproductions guard and can be taken away, each under the name of its function (as in `tests.system`)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Final
 
@@ -23,11 +23,17 @@ from papers import (
     table4_stops,
 )
 from papers.position_run import Moment
+from papers.reproduction import CaseRow
 from vehicle.records import TrainRow
 
 Switch = Callable[[pytest.MonkeyPatch], None]
 
 SWITCHES: Final[dict[str, Switch]] = {}
+
+
+def missed(rows: Iterable[CaseRow]) -> list[str]:
+    """Cases that did not pass."""
+    return [row.case for row in rows if not row.passed]
 
 
 def switch(function: Switch) -> Switch:

@@ -1,6 +1,5 @@
 """The reproductions of Harada and others hold, and do not when what they guard is taken away."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
@@ -24,14 +23,11 @@ from papers.mountain_line import (
     mountain_line,
 )
 from papers.position_run import SLOT, PositionResult, PositionRun
-from papers.reproduction import CaseRow, Options
+from papers.reproduction import Options
 from simulation.sensor_settings import BeaconTrust, Curvature, Filter
 from simulation.settings import PositionSensor
 from simulation.world.records import TRACE
-
-
-def missed(rows: Sequence[CaseRow]) -> list[str]:
-    return [row.case for row in rows if not row.passed]
+from tests.papers.switches import missed
 
 
 @pytest.mark.parametrize(("out_m", "known_steps"), [(np.nan, 9), (0.1, 9), (-np.inf, 0)])

@@ -1,7 +1,6 @@
 """`branchline reproduce oda-vision` on its short slice, and that its scenes can fail it."""
 
 import colorsys
-from collections.abc import Iterable
 from dataclasses import fields, replace
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 
 from onboard.localisation.vision import PAPER_COLOUR, SightTable
 from papers import oda_vision
-from papers.reproduction import CaseRow, Options, Reproduction
+from papers.reproduction import Options, Reproduction
 from radio.chance import generator
 from simulation.sensors.camera import (
     PAPER_CAMERA,
@@ -24,6 +23,7 @@ from simulation.sensors.line_sightings import PLACES_M, Sightings
 from simulation.sensors.sighting_model import record_table
 from simulation.settings import Light
 from tests.nightly import others_nightly
+from tests.papers.switches import missed
 
 
 @pytest.fixture(scope="module")
@@ -37,10 +37,6 @@ def test_the_short_slice_passes_and_says_that_it_is_short(result: Reproduction) 
     assert result.remarks[-1].startswith("Quick")
     assert next(row for row in result.rows if "without it" in row.case).ours == 0
     assert all(parameter.origin for parameter in result.parameters)
-
-
-def failed(result: Iterable[CaseRow]) -> list[str]:
-    return [row.case for row in result if not row.passed]
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +54,7 @@ def scatter_of(camera: CameraModel, table: SightTable, monkeypatch: pytest.Monke
     monkeypatch.setattr(oda_vision, "IMAGES", IMAGES)
     renderer = Renderer(camera, 3)
     rows = [*oda_vision.table_2_rows(renderer, 3), *oda_vision.scatter_rows(renderer, table, 3)]
-    return [case for case in failed(rows) if "scatter" in case]
+    return [case for case in missed(rows) if "scatter" in case]
 
 
 def times(share: float) -> CameraModel:
@@ -108,7 +104,7 @@ def test_a_sign_that_is_not_found_in_every_trial_has_no_row(monkeypatch: pytest.
         return np.resize(np.array(oda_vision.TRIALS_PX[distance_mm]), count)
 
     monkeypatch.setattr(oda_vision, "rows_seen", rows_seen)
-    cases = failed(oda_vision.table_2_rows(Renderer(PAPER_CAMERA, 3), 3))
+    cases = missed(oda_vision.table_2_rows(Renderer(PAPER_CAMERA, 3), 3))
     assert cases == [f"table 2: dy at {place} mm, px"]
 
 

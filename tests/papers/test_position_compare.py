@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from papers import position_sets
-from papers.charts import write_figure
 from papers.position_compare import (
     FAR_M,
     Measures,
@@ -39,6 +38,7 @@ from simulation.faults.fault import InForce
 from simulation.faults.table import FAULTS
 from simulation.settings import PositionSensor
 from simulation.world.records import TRACE
+from study.report.style import write_figure
 
 HOLDS = Measures("a", "nothing fails", True, 1.0, 2.0, 3.0, 4.0, 5.0, 0.1, 0.0, 0, -0.5, True)
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from onboard.localisation.places import Places
-from papers.charts import write_figure
 from papers.position_cases import CASES, LATER_S, PositionCase
 from papers.position_operations import (
     BASE,
@@ -22,6 +21,7 @@ from papers.position_operations import (
 from papers.reproduction import Options
 from scenario.scenario import load_scenario
 from simulation.settings import PositionSensor
+from study.report.style import write_figure
 
 ONE = Quantiles(1.0, 2.0, 3.0)
 

@@ -1,5 +1,6 @@
 """Running times of another simulator by its own assumptions, each of which is needed; and what its files may hold."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -142,28 +143,6 @@ def test_a_path_is_cut_where_limit_or_gradient_change_and_at_its_points(tmp_path
     assert (second.permille, second.points_m) == (2.0, (1000.0,))
 
 
-@pytest.mark.parametrize(
-    ("changed", "key"),
-    [
-        (("running-path", "rolling-stock"), "schema"),
-        (("[ 500.0, 60, 2.0 ]", "[ 500.0, fast, 2.0 ]"), "characteristic_sections"),
-        (("[ 500.0, 60, 2.0 ]", "[ 500.0, nan, 2.0 ]"), "characteristic_sections"),
-        (("[ 500.0, 60, 2.0 ]", "[ 500.0, 60 ]"), "characteristic_sections"),
-        (("[ 500.0, 60, 2.0 ]", "[ 500.0, -60, 2.0 ]"), "characteristic_sections"),
-        (("[ 500.0, 60, 2.0 ]", "[ 500.0, .inf, 2.0 ]"), "characteristic_sections"),
-        (("[ 500.0, 60, 2.0 ]", "[ 0.0, 60, 2.0 ]"), "characteristic_sections"),
-        (("rear ]", "middle ]"), "points_of_interest"),
-        (("characteristic_sections", "characteristic"), "characteristic_sections"),
-    ],
-)
-def test_nonsense_in_a_path_is_bad_input(tmp_path: Path, changed: tuple[str, str], key: str) -> None:
-    file = tmp_path / "path.yaml"
-    file.write_text(PATH_FILE.replace(*changed))
-    with pytest.raises(InputError) as caught:
-        read_path(file)
-    assert key in str(caught.value)
-
-
 TRAIN_FILE = """\
 schema: https://railtoolkit.org/schema/rolling-stock.json
 trains:
@@ -207,23 +186,34 @@ def test_a_train_is_the_sum_of_its_vehicles(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "key"),
+    ("read", "text", "changed", "key"),
     [
-        (("[motor,car,car]", "[motor,ghost]"), "formation"),
-        (("[motor,car,car]", "[car]"), "formation"),
-        (("[motor,car,car]", "[motor,motor]"), "formation"),
-        (("mass: 80", "mass: heavy"), "mass"),
-        (("    mass: 80\n", ""), "mass"),
-        (("speed_limit: 100", "speed_limit: 100\n    a_braking: 0.3"), "a_braking"),
-        (("[100.0, 50000]", "[0.0, 50000]"), "tractive_effort"),
-        (("vehicles:", "cars:"), "vehicles"),
+        (read_path, PATH_FILE, ("running-path", "rolling-stock"), "schema"),
+        (read_path, PATH_FILE, ("[ 500.0, 60, 2.0 ]", "[ 500.0, fast, 2.0 ]"), "characteristic_sections"),
+        (read_path, PATH_FILE, ("[ 500.0, 60, 2.0 ]", "[ 500.0, nan, 2.0 ]"), "characteristic_sections"),
+        (read_path, PATH_FILE, ("[ 500.0, 60, 2.0 ]", "[ 500.0, 60 ]"), "characteristic_sections"),
+        (read_path, PATH_FILE, ("[ 500.0, 60, 2.0 ]", "[ 500.0, -60, 2.0 ]"), "characteristic_sections"),
+        (read_path, PATH_FILE, ("[ 500.0, 60, 2.0 ]", "[ 500.0, .inf, 2.0 ]"), "characteristic_sections"),
+        (read_path, PATH_FILE, ("[ 500.0, 60, 2.0 ]", "[ 0.0, 60, 2.0 ]"), "characteristic_sections"),
+        (read_path, PATH_FILE, ("rear ]", "middle ]"), "points_of_interest"),
+        (read_path, PATH_FILE, ("characteristic_sections", "characteristic"), "characteristic_sections"),
+        (read_train, TRAIN_FILE, ("[motor,car,car]", "[motor,ghost]"), "formation"),
+        (read_train, TRAIN_FILE, ("[motor,car,car]", "[car]"), "formation"),
+        (read_train, TRAIN_FILE, ("[motor,car,car]", "[motor,motor]"), "formation"),
+        (read_train, TRAIN_FILE, ("mass: 80", "mass: heavy"), "mass"),
+        (read_train, TRAIN_FILE, ("    mass: 80\n", ""), "mass"),
+        (read_train, TRAIN_FILE, ("speed_limit: 100", "speed_limit: 100\n    a_braking: 0.3"), "a_braking"),
+        (read_train, TRAIN_FILE, ("[100.0, 50000]", "[0.0, 50000]"), "tractive_effort"),
+        (read_train, TRAIN_FILE, ("vehicles:", "cars:"), "vehicles"),
     ],
 )
-def test_nonsense_in_a_train_is_bad_input(tmp_path: Path, changed: tuple[str, str], key: str) -> None:
-    file = tmp_path / "train.yaml"
-    file.write_text(TRAIN_FILE.replace(*changed))
+def test_nonsense_in_a_path_or_a_train_is_bad_input(
+    tmp_path: Path, read: Callable[[Path], object], text: str, changed: tuple[str, str], key: str
+) -> None:
+    file = tmp_path / "file.yaml"
+    file.write_text(text.replace(*changed))
     with pytest.raises(InputError) as caught:
-        read_train(file)
+        read(file)
     assert key in str(caught.value)
 
 

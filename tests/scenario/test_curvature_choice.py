@@ -11,14 +11,11 @@ from network.errors import InputError
 from onboard.localisation.curvature_map import design_map
 from onboard.localisation.curvature_map_file import write_map
 from scenario.scenario import Scenario, load_scenario
-
-TEXT = 'extends = "{base}"\nid = "own"\nname = "own"\n[sensors]\ncarries = ["tags", "curvature"]\n{more}'
+from tests.scenario.own import own_scenario
 
 
 def loaded(tmp_path: Path, more: str, base: str = "rtri_test_line") -> Scenario:
-    path = tmp_path / "own.toml"
-    path.write_text(TEXT.format(base=base, more=more), "utf-8")
-    return load_scenario(str(path))
+    return own_scenario(tmp_path, f'[sensors]\ncarries = ["tags", "curvature"]\n{more}', base)
 
 
 def test_without_a_file_it_is_the_design(tmp_path: Path) -> None:
@@ -53,9 +50,8 @@ def test_a_map_that_cannot_be_used_is_refused(tmp_path: Path, map_name: str, key
 
 
 def test_the_command_says_it_in_one_line_with_code_2(tmp_path: Path) -> None:
-    (tmp_path / "own.toml").write_text(
-        TEXT.format(base="rtri_test_line", more='[curvature]\nmap = "no.json"\n'), "utf-8"
-    )
+    with pytest.raises(InputError):
+        loaded(tmp_path, '[curvature]\nmap = "no.json"\n')
     done = CliRunner().invoke(app, ["check", str(tmp_path / "own.toml")])
     assert done.exit_code == 2 or isinstance(done.exception, InputError)
 

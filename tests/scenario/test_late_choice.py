@@ -6,15 +6,13 @@ import pytest
 
 from network.errors import InputError
 from scenario.scenario import Scenario, load_scenario
+from tests.scenario.own import own_scenario
 
-HEAD = 'extends = "karasuyama_weekday"\nid = "late"\nname = "A late day"\n'
 FIXED = 'seconds = { distribution = "fixed", mean_s = 60.0 }\nsource = "made for tests"\n'
 
 
 def loaded(folder: Path, text: str) -> Scenario:
-    file = folder / "late.toml"
-    file.write_text(HEAD + text, "utf-8")
-    return load_scenario(str(file))
+    return own_scenario(folder, text, "karasuyama_weekday")
 
 
 def failures(text: str, of: str = FIXED) -> str:
@@ -84,7 +82,7 @@ def test_one_message_each(tmp_path: Path, text: str, key: str, expected: str) ->
         loaded(tmp_path, text)
     assert refused.value.key == key
     assert expected in refused.value.expected
-    assert refused.value.file.endswith("late.toml")
+    assert refused.value.file.endswith("own.toml")
 
 
 def test_good_tables_are_taken_and_a_patch_changes_them(tmp_path: Path) -> None:

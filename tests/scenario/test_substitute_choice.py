@@ -5,17 +5,15 @@ from pathlib import Path
 import pytest
 
 from network.errors import InputError
-from scenario.scenario import Scenario, load_scenario
+from scenario.scenario import Scenario
 from simulation.procedure import Regime
+from tests.scenario.own import own_scenario
 
-HEAD = 'extends = "karasuyama_weekday"\nid = "s"\nname = "Substitute working"\n'
 REACT = "[people]\nreact = true\n"
 
 
 def loaded(folder: Path, text: str) -> Scenario:
-    file = folder / "substitute.toml"
-    file.write_text(HEAD + text, "utf-8")
-    return load_scenario(str(file))
+    return own_scenario(folder, text, "karasuyama_weekday")
 
 
 @pytest.mark.parametrize(
@@ -55,10 +53,8 @@ def test_what_is_not_there_is_refused(text: str, key: str, expected: str, tmp_pa
 
 
 def test_a_battery_train_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "battery.toml"
-    file.write_text(f'extends = "karasuyama_battery"\nid = "s"\nname = "s"\n{REACT}[substitute]\n', "utf-8")
     with pytest.raises(InputError) as error:
-        load_scenario(str(file))
+        own_scenario(tmp_path, f"{REACT}[substitute]\n", "karasuyama_battery")
     assert error.value.key == "substitute"
 
 

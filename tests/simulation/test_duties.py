@@ -102,6 +102,12 @@ class Yard:
     def accept(self, slot: int, step: int) -> None:
         self.duties.unit_tells(slot, EntryAllowed("T1"), step)
 
+    def boot(self, slot: int, off: int, on: int) -> None:
+        """Its unit is off between these steps."""
+        self.cabs.power_off(slot, off)
+        assert self.cabs.power_on(slot, on)
+        self.duties.powered_on(slot, on)
+
     def crews_to(self, step: int) -> None:
         """Have crews do what is due by a step; nothing else goes on."""
         due = sorted(item for item in self.agenda._heap if item.kind is AgendaKind.CREW and item.step <= step)
@@ -296,6 +302,16 @@ def slow(rtri_setup: Setup) -> Yard:
     return Yard(rtri_setup, SLOW)
 
 
+@pytest.fixture
+def come(slow: Yard) -> Yard:
+    """The first train has come in."""
+    slow.duties.take_up(0, AT)
+    slow.crews_to(AT + 100)
+    slow.accept(0, AT + 100)
+    slow.crews_to(AT + 200)
+    return slow
+
+
 def test_a_crew_enters_its_number_some_time_after_it_has_come(slow: Yard) -> None:
     slow.duties.take_up(0, AT)
     assert slow.sent == []
@@ -323,69 +339,49 @@ def test_a_train_comes_in_some_time_after_it_may_and_leaves_some_time_after_it_h
     assert slow.trains.active() == []
 
 
-def test_after_a_boot_the_brake_stays_on_until_the_number_is_entered(slow: Yard) -> None:
+def test_after_a_boot_the_brake_stays_on_until_the_number_is_entered(come: Yard) -> None:
     """A unit that has just booted knows of no train: what its sensors show tells it nothing."""
-    slow.duties.take_up(0, AT)
-    slow.crews_to(AT + 100)
-    slow.accept(0, AT + 100)
-    slow.crews_to(AT + 200)
-    slow.cabs.power_off(0, AT + 300)
-    assert slow.cabs.power_on(0, AT + 400)
-    slow.duties.powered_on(0, AT + 400)
-    assert slow.trains.truths[0].powered == 0
-    assert slow.on_board.tag_read(0, 1, 0.0) == []
-    assert slow.units._running["K1"].state.phase is DutyPhase.OFF
-    slow.crews_to(AT + 499)
-    assert slow.units._running["K1"].state.phase is DutyPhase.OFF
-    slow.crews_to(AT + 500)
-    assert slow.trains.truths[0].powered == 1
-    assert slow.units._running["K1"].state.phase is not DutyPhase.OFF
+    come.boot(0, AT + 300, AT + 400)
+    assert come.trains.truths[0].powered == 0
+    assert come.on_board.tag_read(0, 1, 0.0) == []
+    assert come.units._running["K1"].state.phase is DutyPhase.OFF
+    come.crews_to(AT + 499)
+    assert come.units._running["K1"].state.phase is DutyPhase.OFF
+    come.crews_to(AT + 500)
+    assert come.trains.truths[0].powered == 1
+    assert come.units._running["K1"].state.phase is not DutyPhase.OFF
 
 
 def test_power_lost_again_begins_the_wait_again(slow: Yard) -> None:
     slow.duties.take_up(0, AT)
     for off, on in ((AT + 50, AT + 60), (AT + 155, AT + 158)):
-        slow.cabs.power_off(0, off)
-        slow.cabs.power_on(0, on)
-        slow.duties.powered_on(0, on)
+        slow.boot(0, off, on)
     slow.crews_to(AT + 257)
     assert slow.sent == []
     slow.crews_to(AT + 258)
     assert slow.sent != []
 
 
-def test_a_train_whose_unit_dies_before_it_has_left_does_not_leave(slow: Yard) -> None:
-    slow.duties.take_up(0, AT)
-    slow.crews_to(AT + 100)
-    slow.accept(0, AT + 100)
-    slow.crews_to(AT + 200)
-    slow.duties.unit_tells(0, LeftLine("T1"), AT + 300)
-    slow.cabs.power_off(0, AT + 350)
-    slow.cabs.power_on(0, AT + 360)
-    slow.duties.powered_on(0, AT + 360)
-    slow.crews_to(AT + 500)
-    assert slow.trains.active() == [0]
+def test_a_train_whose_unit_dies_before_it_has_left_does_not_leave(come: Yard) -> None:
+    come.duties.unit_tells(0, LeftLine("T1"), AT + 300)
+    come.boot(0, AT + 350, AT + 360)
+    come.crews_to(AT + 500)
+    assert come.trains.active() == [0]
 
 
 def test_a_number_that_comes_up_before_the_crew_has_entered_one_is_the_one_it_enters(
-    slow: Yard, monkeypatch: pytest.MonkeyPatch
+    come: Yard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A unit that booted in its terminus is not told to change ends: its crew begins with the new number."""
-    slow.duties.take_up(0, AT)
-    slow.crews_to(AT + 100)
-    slow.accept(0, AT + 100)
-    slow.crews_to(AT + 200)
-    slow.cabs.power_off(0, AT + 300)
-    slow.cabs.power_on(0, AT + 310)
-    slow.duties.powered_on(0, AT + 310)
+    come.boot(0, AT + 300, AT + 310)
     said: list[object] = []
     monkeypatch.setattr(
-        slow.cabs, "tell", lambda _slot, _step, happened=(), _telegrams=(): said.extend(happened)
+        come.cabs, "tell", lambda _slot, _step, happened=(), _telegrams=(): said.extend(happened)
     )
-    slow.duties._next["K1"] = 0  # its next train is due now
-    slow.duties.take_up(0, AT + 320)
+    come.duties._next["K1"] = 0  # its next train is due now
+    come.duties.take_up(0, AT + 320)
     assert said == []
-    slow.crews_to(AT + 410)
+    come.crews_to(AT + 410)
     assert [type(happened) for happened in said] == [SwitchedOn]
 
 

@@ -8,10 +8,11 @@ import pytest
 
 from network.errors import InputError
 from network.files.toml_input import validate
-from scenario.scenario import Scenario, load_scenario
+from scenario.scenario import Scenario
 from simulation.pauses import Pauses
 from simulation.people import LID_TIMES, Pause, People
 from simulation.setup import STEPS_PER_S, Setup
+from tests.scenario.own import own_scenario
 
 ALL = tuple(Pause)
 AT_ONCE = {Pause.GONE}  # as the train passes the boundary
@@ -88,13 +89,7 @@ def test_what_cannot_be_used_is_named(table: dict[str, object], key: str) -> Non
 @pytest.fixture
 def scenario(tmp_path: Path) -> Callable[[str], Scenario]:
     """A scenario of the test line that says something of its own."""
-
-    def load(text: str) -> Scenario:
-        file = tmp_path / "late.toml"
-        file.write_text(f'extends = "rtri_test_line"\nid = "late"\nname = "late"\n{text}', "utf-8")
-        return load_scenario(str(file))
-
-    return load
+    return lambda text: own_scenario(tmp_path, text, "rtri_test_line")
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,12 @@ import pytest
 
 from onboard.notes import Intervention, SignSeen, StopImpossible
 from radio.noted import Noted
-from scenario.scenario import load_scenario
 from study.record.directory import LEARNED_FILE
 from study.runner.run import FinishedRun, write_run
 from tests.plain import run_on_plain
+from tests.scenario.own import own_scenario
 from tests.study.report.page import payload_of, table_in
 
-HEAD = 'extends = "rtri_test_line"\nid = "x"\nname = "x"\n'
 MARK_M, LIMIT_M = 1020.0, 1050.0
 MISSED = "".join(
     f'[[fault]]\nkind = "miss"\ntarget = "{tag}"\nstart = "09:51:00"\n' for tag in (801, 802, 803)
@@ -29,9 +28,7 @@ set = { "stations.B.tracks.1.platform_to_km" = 1.05, "stations.B.tracks.1.mark_d
 
 
 def run_of(tmp_path: Path, text: str) -> FinishedRun:
-    file = tmp_path / "x.toml"
-    file.write_text(HEAD + text, encoding="utf-8")
-    return run_on_plain(file)
+    return run_on_plain(own_scenario(tmp_path, text, "rtri_test_line"))
 
 
 T = TypeVar("T", bound=Noted)
@@ -102,9 +99,8 @@ def test_what_is_learned_is_kept_between_days_and_left_in_the_run_directory(tmp_
 
 
 def test_days_differ_in_what_passes_and_not_in_the_train(tmp_path: Path) -> None:
-    file = tmp_path / "x.toml"
-    file.write_text(HEAD + "[scatter]\nbrake_sigma = 0.1\nbrake_leg_sigma = 0.02\n", encoding="utf-8")
-    setup = load_scenario(str(file)).setup
+    scatter = "[scatter]\nbrake_sigma = 0.1\nbrake_leg_sigma = 0.02\n"
+    setup = own_scenario(tmp_path, scatter, "rtri_test_line").setup
     from simulation.carriers.plain_track import PlainTrack
     from simulation.setup import STEP_S
     from simulation.world.trains import Trains

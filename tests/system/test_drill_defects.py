@@ -22,12 +22,10 @@ from onboard.duty import machine as duty_machine
 from onboard.duty import orders as duty_orders
 from onboard.duty.records import DrivingCommand, Sensed
 from onboard.fixes import Fixes
-from onboard.localisation.fix import Fix, RefusedFix, TakenFix, take_interval
 from onboard.localisation.places import Places
-from onboard.localisation.tags import TagDoubt
 from onboard.mission import Mission
 from onboard.motion import UnitMotion
-from onboard.records import PathData, UnitRow
+from onboard.records import PathData
 from onboard.unit import OnboardUnit, Report, UnitAnswer
 from radio.envelope import header_of
 from simulation.judge.checkers import Checker
@@ -39,6 +37,7 @@ from simulation.world.points import WaysideWorld
 from study.drilling.drill import shipped_drills
 from tests.nightly import others_nightly
 from tests.system.switchboard import RunWith, Switch
+from tests.system.switches_on_board import believes_any_tag
 from wayside import dispatch, orders
 from wayside.config import MANAGER_ID, TerminalConfig, terminal_configs
 from wayside.dispatch import DispatchRequest
@@ -189,18 +188,6 @@ def judges_no_time(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("radio.envelope.CLOCK_SKEW_MAX_S", math.inf)
 
 
-def believes_any_tag_at_once(patch: pytest.MonkeyPatch) -> None:
-    """And the bounds are those of the newest alone, whatever they were."""
-
-    def take_any(row: UnitRow, fix: Fix, _span_m: tuple[float, float]) -> TakenFix | RefusedFix:
-        row.position_known = 0  # so that nothing is compared
-        return take_interval(row, fix)
-
-    patch.setattr("onboard.localisation.tags.missed_by_m", lambda *_: 0.0)
-    patch.setattr("onboard.localisation.tags.take_interval", take_any)
-    patch.setattr(TagDoubt, "believes", lambda *_: True)
-
-
 def has_no_virtual_tags(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Places, "tags_proved", lambda _self: iter(()))
 
@@ -268,7 +255,7 @@ WITHOUT: Final[Mapping[str, tuple[str | Switch, str]]] = MappingProxyType(
         "23_points_slow": (terminal_allows_no_slower_throw, "they are proven, later"),
         "24_manager_frozen": (obeys_only_while_it_hears_the_manager, "T1 runs on within what it holds"),
         "25_wrong_tag_id": ("believes_any_tag", "the unit does not believe it"),
-        "26_tags_swapped": (believes_any_tag_at_once, "no invariant is broken"),
+        "26_tags_swapped": (believes_any_tag, "no invariant is broken"),
         "28_unit_restart_at_departure": ("restarts_at_full_speed", LOW_SPEED),
         "35_one_network_lost": ("hears_the_first_network_alone", "every telegram arrives over the other"),
         "35b_both_networks_lost": ("does_not_wait_for_proof", "no invariant is broken"),

@@ -9,25 +9,22 @@ import pytest
 
 from network.errors import InputError
 from onboard.notes import AbleToLeave, UnableToLeave
-from scenario.scenario import load_scenario
 from simulation.events import Acted, BatteryAt, BatteryLevel
 from simulation.result import Ending
 from study.runner.run import FinishedRun
 from tests.plain import run_on_plain
+from tests.scenario.own import own_scenario
 
 HOLD = '[[act]]\nkind = "hold_train"\nperson = "controller"\ntarget = "V4"\nstart = "train 333M arrives {}"\n'
 
 
 def stood(folder: Path, hold_s: float, *, at: str = "OGN", react: bool = False) -> FinishedRun:
     """The day on which V4 is held at a station for a time: at Ogane, where there is no charger."""
-    path = folder / "stood.toml"
     text = (
-        'extends = "karasuyama_battery"\nid = "stood"\nname = "stood"\n[battery]\nheating_kw = 36.0\n'
-        "[dispatch]\ncertificate = true\n[limits]\nstall_limit_s = 20000.0\ntime_limit_s = 14400.0\n"
-        f"[people]\nreact = {str(react).lower()}\n{HOLD.format(at)}hold_s = {hold_s}\n"
+        "[battery]\nheating_kw = 36.0\n[dispatch]\ncertificate = true\n[limits]\nstall_limit_s = 20000.0\n"
+        f"time_limit_s = 14400.0\n[people]\nreact = {str(react).lower()}\n{HOLD.format(at)}hold_s = {hold_s}\n"
     )
-    path.write_text(text, "utf-8")
-    return run_on_plain(path)
+    return run_on_plain(own_scenario(folder, text, "karasuyama_battery"))
 
 
 def levels(run: FinishedRun) -> list[BatteryLevel]:
@@ -74,8 +71,6 @@ def test_after_four_hours_staff_bring_it_power(tmp_path: Path) -> None:
 
 
 def test_power_is_brought_to_sets_on_batteries_alone(tmp_path: Path) -> None:
-    path = tmp_path / "wire.toml"
     act = '[[act]]\nkind = "bring_power"\nperson = "staff"\ntarget = "V4"\nstart = "09:00:00"\n'
-    path.write_text(f'extends = "karasuyama_weekday"\nid = "wire"\nname = "wire"\n{act}', "utf-8")
     with pytest.raises(InputError, match=r"without \[battery\]"):
-        load_scenario(str(path))
+        own_scenario(tmp_path, act, "karasuyama_weekday")

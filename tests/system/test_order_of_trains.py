@@ -13,6 +13,7 @@ import pytest
 from scenario.scenario import load_scenario
 from study.runner.outcome import unfinished
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from tests.trains import day_of
 from wayside.said import HeldBack, OrderChanged
 
 DUE_S: Final = {"A": 36_000.0, "B": 36_480.0}  # 10:00 and 10:08
@@ -24,20 +25,6 @@ name = "Trains that meet at a loop"
 line = "busy_line"
 dwell_min_s = 30
 assumed = ["all times: six minutes from station to station"]
-"""
-ONE: Final = """
-[[trains]]
-number = "{number}"
-direction = "{direction}"
-begins = "stabled"
-ends = "stabled"
-calls = [
-  {{ station = "{here}", track = "{track}", departure = "{departure}" }},
-  {{ station = "{there}", track = "{to}", arrival = "{arrival}" }},
-]
-[[diagrams]]
-stock = "S{number}"
-trains = ["{number}"]
 """
 SILENT: Final = (
     '[[fault]]\nkind = "cut"\ntarget = "SA <-> block-manager"\nstart = "09:55"\nduration_s = {lasts_s:.1f}\n'
@@ -67,16 +54,8 @@ class Day:
 def train(number: str, way: str, track: str, to: str, departure: str, arrival: str) -> str:
     here, there = way.split(" ")
     direction = "down" if here == "ASA" else "up"
-    return ONE.format(
-        number=number,
-        direction=direction,
-        here=here,
-        there=there,
-        track=track,
-        to=to,
-        departure=departure,
-        arrival=arrival,
-    )
+    calls = f"{here} {track} -/{departure}; {there} {to} {arrival}/-"
+    return day_of(f"{number} {direction}, stabled to stabled: {calls}", **{f"S{number}": number})
 
 
 A: Final = train("A", "ASA IZU", "1", "1", "10:00", "10:06")
@@ -154,10 +133,7 @@ def test_nobody_waits_for_ever_for_a_train_that_cannot_leave(tmp_path: Path) -> 
 
 
 # A goes on, C comes after it; B asked, saw A go before it, and is not heard when A has come.
-GOES_ON: Final = A.replace(
-    'arrival = "10:06" },',
-    'arrival = "10:06", departure = "10:07" },\n  { station = "USU", track = "1", arrival = "10:13" },',
-)
+GOES_ON: Final = day_of("A down, stabled to stabled: ASA 1 -/10:00; IZU 1 10:06/10:07; USU 1 10:13/-", SA="A")
 C: Final = train("C", "ASA IZU", "2", "1", "10:16", "10:22")
 B_SILENT: Final = (
     '[[fault]]\nkind = "cut"\ntarget = "SB <-> block-manager"\nstart = "10:10"\nduration_s = 720.0\n'

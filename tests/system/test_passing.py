@@ -18,40 +18,21 @@ from study.feasibility.finding import FindingKind, Severity
 from study.record.spans import rows_by_span
 from study.runner.run import FinishedRun
 from tests.plain import run_on_plain
+from tests.trains import timetable_of
+
 
 # 1D passes Ogane, where 2U stands for it; 2U arrives there only shortly before where it does so `late`.
-TIMETABLE = """
-[timetable]
-id = "passing"
-line = "karasuyama"
-[[trains]]
-number = "1D"
-direction = "down"
-begins = "portal:HSK.MD"
-ends = "stabled"
-calls = [
-  {{ station = "HSK", departure = "07:00" }},
-  {{ station = "NIT", pass = "07:07:20" }},
-  {{ station = "OGN", pass = "{passes}" }},
-  {{ station = "KRS", arrival = "07:30" }},
-]
-[[trains]]
-number = "2U"
-direction = "up"
-begins = "stabled"
-ends = "portal:HSK.MU"
-calls = [
-  {{ station = "KRS", departure = "{leaves}" }},
-  {{ station = "OGN", arrival = "{arrives}", departure = "07:20:10", operational = true }},
-  {{ station = "HSK", arrival = "07:41" }},
-]
-[[diagrams]]
-stock = "A"
-trains = ["1D"]
-[[diagrams]]
-stock = "B"
-trains = ["2U"]
-"""
+def times_of(leaves: str, arrives: str, passes: str, goes_on: str = "07:20:10 operational") -> str:
+    return timetable_of(
+        "passing",
+        "karasuyama",
+        f"1D down, portal:HSK.MD to stabled: HSK -/07:00; NIT pass 07:07:20; OGN pass {passes}; KRS 07:30/-",
+        f"2U up, stabled to portal:HSK.MU: KRS -/{leaves}; OGN {arrives}/{goes_on}; HSK 07:41/-",
+        A="1D",
+        B="2U",
+    )
+
+
 SCENARIO = """
 id = "passing"
 name = "passing"
@@ -71,9 +52,7 @@ def run_of(
             assert text.count(ends) == 2
             text = text.replace(ends, "")
     (folder / "line.toml").write_text(text, "utf-8")
-    (folder / "timetable.toml").write_text(
-        TIMETABLE.format(leaves=leaves, arrives=arrives, passes=passes), "utf-8"
-    )
+    (folder / "timetable.toml").write_text(times_of(leaves, arrives, passes), "utf-8")
     (folder / "scenario.toml").write_text(SCENARIO, "utf-8")
     return run_on_plain(folder / "scenario.toml")
 
@@ -127,16 +106,11 @@ def test_a_train_that_may_not_pass_yet_stands_and_goes_on_when_the_way_is_free(t
 def test_who_serves_nobody_needs_no_dwell(tmp_path: Path) -> None:
     """2U, late at Ogane, leaves at once there; with passengers it would stay for the shortest dwell."""
     stays_s: dict[str, float] = {}
-    for name, word in (("operational", ", operational = true"), ("stop", "")):
+    for name, word in (("operational", " operational"), ("stop", "")):
         folder = tmp_path / name
         folder.mkdir()
-        text = TIMETABLE.replace(
-            'arrival = "{arrives}", departure = "07:20:10"', 'arrival = "{arrives}", departure = "07:18:05"'
-        )
-        text = text.replace(", operational = true", word)
-        (folder / "timetable.toml").write_text(
-            text.format(leaves="07:07:10", arrives="07:18", passes="07:17:30"), "utf-8"
-        )
+        times = times_of("07:07:10", "07:18", "07:17:30", f"07:18:05{word}")
+        (folder / "timetable.toml").write_text(times, "utf-8")
         (folder / "scenario.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
         run = run_on_plain(folder / "scenario.toml")
         assert run.broken == ()
@@ -152,25 +126,6 @@ Mori,4.0,1,station
 Hara,8.0,1,halt
 Kawa,13.0,1,station
 """
-THROUGH = """
-[timetable]
-id = "through"
-line = "through"
-[[trains]]
-number = "1D"
-direction = "down"
-begins = "stabled"
-ends = "stabled"
-calls = [
-  {{ station = "{asa}", departure = "07:00" }},
-  {{ station = "{mori}", pass = "{mori_at}" }},
-  {{ station = "{hara}", pass = "{hara_at}" }},
-  {{ station = "{kawa}", arrival = "07:14" }},
-]
-[[diagrams]]
-stock = "A"
-trains = ["1D"]
-"""
 
 
 def through(
@@ -185,7 +140,9 @@ def through(
         rows = [row for row in text.splitlines() if 'purpose = "approach"' not in row]
         (folder / "through.toml").write_text("\n".join(rows) + "\n", "utf-8")
     ids = {s.name.lower(): s.id for s in load_line(folder / "through.toml").stations.values()}
-    (folder / "timetable.toml").write_text(THROUGH.format(mori_at=mori_at, hara_at=hara_at, **ids), "utf-8")
+    calls = f"{ids['asa']} -/07:00; {ids['mori']} pass {mori_at}; {ids['hara']} pass {hara_at}; {ids['kawa']} 07:14/-"
+    times = timetable_of("through", "through", f"1D down, stabled to stabled: {calls}", A="1D")
+    (folder / "timetable.toml").write_text(times, "utf-8")
     words = SCENARIO.replace("line.toml", "through.toml").replace("passing", "through")
     (folder / "scenario.toml").write_text(words, "utf-8")
     return folder / "scenario.toml"

@@ -10,7 +10,7 @@ from typing import Final
 import pytest
 
 from onboard.notes import Intervention
-from scenario.scenario import Scenario, load_scenario
+from scenario.scenario import Scenario
 from simulation.events import CrossingEntered, CrossingLamps, VehicleStruck
 from simulation.faults.crossing_road import StalledVehicle
 from simulation.faults.script import Script, ScriptedFault, Trigger
@@ -21,6 +21,7 @@ from study.collect.crossings import hours_run
 from study.collect.road import road_table
 from study.runner.outcome import broken_rules
 from study.runner.run import CarrierKind, PartyLink, execute, simulation_of
+from tests.scenario.own import own_scenario
 
 ROAD: Final = "road = { vehicles_per_h = [600.0] }"
 EMPTY: Final = "road = { vehicles_per_h = [0.0] }"
@@ -31,13 +32,8 @@ TEN_S: Final = 36_000.0
 
 def scenario_of(folder: Path, base: str, crossing: str, patch: str = "", more: str = "") -> Scenario:
     """The scenario `base` with a crossing C1."""
-    text = (
-        f'extends = "{base}"\nid = "road"\nname = "A road"\n{more}\n{patch}\n'
-        f'[[patch.line.add.crossings]]\nid = "C1"\n{crossing}\n'
-    )
-    file = folder / "road.toml"
-    file.write_text(text, encoding="utf-8")
-    return load_scenario(str(file))
+    text = f'{more}\n{patch}\n[[patch.line.add.crossings]]\nid = "C1"\n{crossing}\n'
+    return own_scenario(folder, text, base)
 
 
 def on_test_line(folder: Path, *keys: str, more: str = "") -> Scenario:

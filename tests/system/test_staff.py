@@ -14,7 +14,7 @@ from simulation.world.crossings import CrossingsOnTrack
 from study.drilling.drill import find_drill
 from study.runner.run import FinishedRun
 from tests.nightly import others_nightly
-from tests.plain import drill_on_plain
+from tests.plain import drill_of, drill_on_plain
 from wayside.crossing_said import CrossingOpens
 from wayside.said import ConfirmedByHand
 
@@ -63,9 +63,7 @@ Fails = Callable[..., FinishedRun]
 @pytest.fixture
 def fails(tmp_path: Path) -> Fails:
     def run(what: str, people: str, limits: str = "") -> FinishedRun:
-        file = tmp_path / "staff.toml"
-        file.write_text(f"{HEAD}people = {{ {people} }}\n{limits}{FAILS[what][0]}", "utf-8")
-        return drill_on_plain(file).run
+        return drill_of(tmp_path, f"{HEAD}people = {{ {people} }}\n{limits}{FAILS[what][0]}").run
 
     return run
 
@@ -118,16 +116,14 @@ def test_a_bar_that_one_device_did_not_hear_of_is_said_again(tmp_path: Path) -> 
     """
     arrives: dict[str, bool] = {}
     for react in ("true", "false"):
-        file = tmp_path / "bar.toml"
-        file.write_text(
+        run = drill_of(
+            tmp_path,
             'extends = "'
             + find_drill("rtri/59_unit_barred")
             + f'"\nid = "bar"\npeople = {{ react = {react}, silent_s = 1800.0 }}\nexpect = []\n'
             '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:20:06.5"\nduration_s = 60.0\n'
             '[[patch.act.add]]\nkind = "reenter_assisted"\nstart = "10:21:30"\n',
-            "utf-8",
-        )
-        run = drill_on_plain(file).run
+        ).run
         arrives[react] = not run.result.unfinished
         said = [act.person for act in _acts(run) if act.kind is ActKind.UNBAR_UNIT]
         assert sorted(set(said)) == ["controller", "station staff"]
@@ -139,14 +135,12 @@ def test_what_a_mad_unit_outside_has_been_given_is_had_back(tmp_path: Path) -> N
     """It claimed a free section when its train had left; sane again it is never asked, and T3 needs that section."""
     arrives: dict[str, bool] = {}
     for react in ("true", "false"):
-        file = tmp_path / "mad.toml"
-        file.write_text(
+        run = drill_of(
+            tmp_path,
             'extends = "rtri_test_line"\ntimetable = "rtri_following"\nid = "mad"\nname = "mad"\n'
             f"people.react = {react}\n{ENDS_SOON}"
             '[[fault]]\nkind = "false_claims"\ntarget = "K1"\nsection = "7"\nstart = "10:04:30"\nduration_s = 30.0\n',
-            "utf-8",
-        )
-        run = drill_on_plain(file).run
+        ).run
         arrives[react] = not run.result.unfinished
         assert run.result.collisions == ()
         kinds = {act.kind for act in _acts(run)}
@@ -162,14 +156,12 @@ def test_points_are_wound_for_a_train_that_has_slid_just_onto_them(
     """It stands 1.6 m in their section, 8.4 m short of the blades, without a proof: no unit throws them there."""
     if not asks:
         monkeypatch.setattr(Staff, "_asked_for", lambda *_: "")
-    file = tmp_path / "slid.toml"
-    file.write_text(
+    run = drill_of(
+        tmp_path,
         f'extends = "{find_drill("rtri/27_slippery_rail")}"\nid = "slid"\nname = "slid"\nexpect = []\n'
         f"people.react = true\n{ENDS_SOON}"
         '[[patch.fault.add]]\nkind = "cut"\ntarget = "K1 -> B-W"\nstart = "10:00:41"\nduration_s = 60.0\n',
-        "utf-8",
-    )
-    run = drill_on_plain(file).run
+    ).run
     assert bool(run.result.trains_arrived) is asks
     by_hand = [act for act in _acts(run) if act.kind is ActKind.REPAIR_POINTS]
     assert [act.position for act in by_hand] == (["normal"] if asks else [])
@@ -177,19 +169,17 @@ def test_points_are_wound_for_a_train_that_has_slid_just_onto_them(
 
 def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Path) -> None:
     """Its crew takes ten minutes; said to be outside, it would come into a portal that the register has free."""
-    file = tmp_path / "slow.toml"
     bars = "".join(
         '[[act]]\nkind = "bar_unit"\ntarget = "K2"\n'
         'start = { who = "block-manager", what = "accepted", unit = "K2" }\n'
         f'after_s = {after_s}\nperson = "{person}"\n'
         for after_s, person in ((5.0, "Sato"), (8.0, "Mori"))
     )
-    file.write_text(
+    run = drill_of(
+        tmp_path,
         'extends = "rtri_test_line"\ntimetable = "rtri_following"\nid = "slow"\nname = "slow"\n'
         f"people = {{ react = true, entry_s = 600.0, sigma = 0.0 }}\n{bars}",
-        "utf-8",
-    )
-    run = drill_on_plain(file).run
+    ).run
     said = [act for act in _acts(run) if act.kind in (ActKind.CONFIRM_OUTSIDE, ActKind.CONFIRM_HOLDING)]
     assert {(act.kind, act.target, act.sections) for act in said} == {
         (ActKind.CONFIRM_HOLDING, "K2", ("PW",))
@@ -199,17 +189,15 @@ def test_a_barred_train_that_may_come_in_is_not_said_to_be_outside(tmp_path: Pat
 
 def _wrong_word(tmp_path: Path, kind: ActKind) -> FinishedRun:
     """Of K2, which waits outside and is not heard for a minute after the manager's restart, one says what is not so."""
-    file = tmp_path / "wrong.toml"
-    file.write_text(
+    return drill_of(
+        tmp_path,
         'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "wrong"\nname = "wrong"\n'
         f"people = {{ react = true, sigma = 0.0 }}\n{ENDS_SOON}"
         '[[fault]]\nkind = "restart"\ntarget = "block-manager"\nstart = "10:00:20"\n'
         '[[fault]]\nkind = "cut"\ntarget = "K2 -> block-manager"\nstart = "10:00:15"\nduration_s = 60.0\n'
         f'[[act]]\nkind = "{kind.value}"\ntarget = "K2"\nsections = ["10"]\nstart = "10:00:40"\n'
         'person = "trackman"\n',
-        "utf-8",
-    )
-    return drill_on_plain(file).run
+    ).run
 
 
 @pytest.mark.parametrize("kind", [ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION])
@@ -229,15 +217,13 @@ def test_a_wrong_word_is_taken_back_when_its_unit_speaks_for_itself(
 
 def test_nobody_speaks_for_a_unit_that_has_answered_what_one_person_said(tmp_path: Path) -> None:
     """K1 says what the register has, so nothing but the refusal of the trackman's word shows that it was heard."""
-    file = tmp_path / "answers.toml"
-    file.write_text(
+    run = drill_of(
+        tmp_path,
         'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "answers"\nname = "answers"\n'
         "people = { react = true, sigma = 0.0, silent_s = 60.0 }\n"
         '[[act]]\nkind = "confirm_holding"\ntarget = "K1"\nsections = ["8"]\nstart = "10:02:00"\n'
         'person = "trackman"\n',
-        "utf-8",
-    )
-    run = drill_on_plain(file).run
+    ).run
     assert [act.person for act in _acts(run)] == ["trackman"]
     assert not run.result.unfinished
 
@@ -251,13 +237,11 @@ def _spoken_for(tmp_path: Path, timetable: str, *off: tuple[str, str, float]) ->
         f'[[fault]]\nkind = "power_off"\ntarget = "{party}"\nstart = "{at}"\nduration_s = {lasts_s}\n'
         for party, at, lasts_s in off
     )
-    file = tmp_path / "spoken.toml"
-    file.write_text(
+    run = drill_of(
+        tmp_path,
         f'extends = "rtri_test_line"\ntimetable = "{timetable}"\nid = "spoken"\nname = "spoken"\n'
         f"people = {{ react = true, {PEOPLE_WITH_A_SLOW_CREW} }}\n{faults}",
-        "utf-8",
-    )
-    run = drill_on_plain(file).run
+    ).run
     assert not run.result.unfinished
     assert not run.result.violations
     acts = [act for act in _acts(run) if act.kind in (ActKind.CONFIRM_HOLDING, ActKind.ENTER_SECTION)]
@@ -283,13 +267,13 @@ def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_a
     """The manager was off when K1 was barred. What the trackman enters just before the picture is accepted has it ask
     K1, whose answer changes nothing; it stands on open line, where nobody's word counts against its own.
     """
-    file = tmp_path / "alone.toml"
     said = (
         ("bar_unit", "10:00:25", "Sato"),
         ("bar_unit", "10:00:26", "Mori"),
         ("unbar_unit", "10:00:45", "Sato"),  # he and Mori do not agree any more
     )
-    file.write_text(
+    run = drill_of(
+        tmp_path,
         'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "alone"\nname = "alone"\n'
         "people = { react = true, sigma = 0.0 }\n"
         '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:00:20"\nduration_s = 30.0\n'
@@ -298,9 +282,7 @@ def test_who_is_barred_at_terminals_alone_is_unbarred_whatever_the_manager_has_a
             f'[[act]]\nkind = "{kind}"\ntarget = "K1"\nstart = "{at}"\nperson = "{person}"\n'
             for kind, at, person in said
         ),
-        "utf-8",
-    )
-    run = drill_on_plain(file).run
+    ).run
     by_hand = [
         entry.event for entry in run.result.journal.entries if isinstance(entry.event, ConfirmedByHand)
     ]
@@ -319,17 +301,15 @@ def test_points_that_work_again_are_left_alone(tmp_path: Path) -> None:
 
 def test_a_road_is_freed_while_people_work_the_line(tmp_path: Path) -> None:
     """The manager is off for hours, and K1's unit is cut out before the crossing has heard that it is over it."""
-    file = tmp_path / "road.toml"
-    file.write_text(
+    run = drill_of(
+        tmp_path,
         'extends = "rtri_test_line"\ntimetable = "rtri_two_trains"\nid = "road"\nname = "road"\n'
         "people = { react = true, notice_s = 20.0, reach_s = 60.0 }\n"
         'substitute = { staffed = ["A"], speed_kmh = 35.0 }\n'
         '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.75\n'
         '[[fault]]\nkind = "power_off"\ntarget = "block-manager"\nstart = "10:00:10"\n'
         '[[fault]]\nkind = "cut"\ntarget = "K1 -> C1"\nstart = "10:00:45"\nduration_s = 900.0\n',
-        "utf-8",
-    )
-    run = drill_on_plain(file).run
+    ).run
     assert {act.kind for act in _acts(run)} == {ActKind.FREE_ROAD}
     struck_off = [
         e.event.struck_off for e in run.result.journal.entries if isinstance(e.event, CrossingOpens)
@@ -349,9 +329,7 @@ def test_a_driver_who_comes_onto_an_open_road_reports_it(
     crossing = '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.85\ncontrol = "contacts"\n'
     fault = f'[[fault]]\nkind = "frozen"\ntarget = "C1"\nstart = "{"09" if frozen else "10"}:59:00"\n'
     people = "people = { react = true, guard_s = 5.0, sigma = 0.0 }\n"
-    file = tmp_path / "staff.toml"
-    file.write_text(f"{HEAD}{people}{crossing}start_down_km = 0.5\nstart_up_km = 1.2\n{fault}", "utf-8")
-    run = drill_on_plain(str(file)).run
+    run = drill_of(tmp_path, f"{HEAD}{people}{crossing}start_down_km = 0.5\nstart_up_km = 1.2\n{fault}").run
     events = [(entry.t_s, entry.event) for entry in run.result.journal.entries]
     came_s = min(t_s for t_s, event in events if isinstance(event, CrossingEntered))
     guarded_s = [t_s for t_s, event in events if isinstance(event, RoadGuarded) and event.there]

@@ -19,7 +19,7 @@ from simulation.substitute import by_hand, players, sight
 from simulation.substitute_settings import LeftOutStep
 from study.drilling.drill import find_drill
 from tests.nightly import A_FIFTH, others_nightly
-from tests.plain import drill_on_plain, run_on_plain
+from tests.plain import drill_of, drill_on_plain, run_on_plain
 from tests.trains import timetable_of
 
 DRILL: Final = "rtri/95_substitute_working"
@@ -206,26 +206,22 @@ def test_a_section_that_never_had_a_pilot_need_not_be_empty_as_the_working_ends(
 ) -> None:
     """K1 has lost its power between the stations, and waits for the picture, which waits for K2 to be cut in."""
     monkeypatch.setattr(players, "NEED_NOT_BE_EMPTY", need_not)
-    file = tmp_path / "off.toml"
-    file.write_text(
+    result = drill_of(
+        tmp_path,
         f'extends = "{find_drill(DRILL)}"\nid = "off"\nexpect = []\nlimits.time_limit_s = 1200.0\n'
         '[[patch.fault.add]]\nkind = "power_off"\ntarget = "K1"\nstart = "10:00:41"\nduration_s = 60.0\n',
-        "utf-8",
-    )
-    result = drill_on_plain(file).run.result
+    ).run.result
     broken = {violation.checker for violation in result.violations}
     assert broken == (set() if need_not else {Checker.EVERYONE_ARRIVES})
 
 
 def test_a_unit_cut_in_without_power_is_not_held_to_what_it_held_before(tmp_path: Path) -> None:
     """Its telegrams are lost as it asks for its first route, so people alone say where it stands, and it is dark."""
-    file = tmp_path / "lost.toml"
-    file.write_text(
+    run = drill_of(
+        tmp_path,
         f'extends = "{find_drill(DRILL)}"\nid = "lost"\nexpect = []\n'
         '[[patch.fault.add]]\nkind = "cut"\ntarget = "K1 -> block-manager"\nstart = "09:59:14.9"\nduration_s = 60.0\n',
-        "utf-8",
-    )
-    run = drill_on_plain(file).run
+    ).run
     assert run.result.violations == ()
     assert not run.result.unfinished
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from network.code_store import CodeStore
+from tests.vehicle.test_compiled import compilations
 from vehicle import compiled as decorator
-from vehicle.entries import Entry
 from vehicle.record import dtype_of
 
 pytestmark = pytest.mark.skipif(decorator.INTERPRETED, reason="nothing is compiled")
@@ -92,10 +92,6 @@ def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Load:
 @pytest.fixture
 def own() -> CallsRow:
     return np.zeros(1, dtype_of(CallsRow)).view(np.recarray)[0]
-
-
-def compilations(function: Entry) -> int:
-    return sum(function.stats.cache_misses.values())
 
 
 def test_a_late_function_gets_its_arguments_and_returns_its_result(load: Load, own: CallsRow) -> None:

@@ -12,6 +12,7 @@ from verify.composition import Composition, StateOfLine, TrainCell
 from verify.expansion import Expansion
 from verify.explored_line import Budgets, ExploredLine
 from verify.parties import ExploredParties
+from verify.promela import walked
 from verify.search import search
 from verify.story import StoryTeller
 
@@ -41,14 +42,7 @@ def test_both_ways_give_the_same_successors(trains: int, budgets: Budgets, state
 
 def test_the_search_finds_what_a_plain_one_finds() -> None:
     line = ExploredLine(budgets=Budgets())
-    composition = Composition(ExploredParties(line))
-    queue = deque([composition.start()])
-    seen = set(queue)
-    while queue:
-        for found in composition.following(queue.popleft()):
-            if found.state not in seen:
-                seen.add(found.state)
-                queue.append(found.state)
+    _, seen = walked(line)
     expansion = Expansion(ExploredParties(line))
     assert len(search(expansion, 10**6, lambda _: None, expansion.broken).states) == len(seen)
 

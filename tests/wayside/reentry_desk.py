@@ -67,6 +67,11 @@ class Desk:
     def accept(self) -> list[type[Noted]]:
         return self.act(AcceptPicture("Sato"))
 
+    def define(self) -> None:
+        """The picture is accepted, and complete."""
+        self.accept()
+        assert self.register.defined
+
     @property
     def why(self) -> str:
         """What the last notes say."""

@@ -116,11 +116,16 @@ def swept_line() -> Desk:
 OVER: Final = RouteRequest("u1", "over", ("C", "D", "E"))
 
 
-def test_what_must_be_swept_is_granted_on_sight_only() -> None:
-    desk = swept_line()
+def over(desk: Desk) -> RouteGranted:
+    """What u1 is granted over what must be swept."""
     granted = desk.hear("u1", OVER)
     assert isinstance(granted, RouteGranted)
-    assert granted.on_sight == ("C", "D", "E")
+    return granted
+
+
+def test_what_must_be_swept_is_granted_on_sight_only() -> None:
+    desk = swept_line()
+    assert over(desk).on_sight == ("C", "D", "E")
     assert desk.register.unswept == {"C", "D", "E"}  # a grant sweeps nothing
 
 
@@ -135,9 +140,7 @@ def test_a_unit_that_claims_or_signs_on_learns_what_of_it_must_be_swept() -> Non
 
 def test_swept_is_what_its_holder_reports_as_swept() -> None:
     desk = swept_line()
-    granted = desk.hear("u1", OVER)
-    assert isinstance(granted, RouteGranted)
-    desk.hear("u1", HoldingReport(("D", "E"), granted.token, ("C",)))
+    desk.hear("u1", HoldingReport(("D", "E"), over(desk).token, ("C",)))
     assert desk.kinds == [Swept, Freed]
     assert desk.register.unswept == {"D", "E"}
 
@@ -153,17 +156,13 @@ def test_swept_is_nothing_that_the_unit_does_not_hold() -> None:
 @pytest.mark.parametrize(("token_error", "epoch"), [(1, 1), (-1, 1), (0, 2)])
 def test_swept_is_nothing_by_an_old_report(token_error: int, epoch: int) -> None:
     desk = swept_line()
-    granted = desk.hear("u1", OVER)
-    assert isinstance(granted, RouteGranted)
-    desk.hear("u1", HoldingReport(("E",), granted.token + token_error, ("C", "D")), epoch=epoch)
+    desk.hear("u1", HoldingReport(("E",), over(desk).token + token_error, ("C", "D")), epoch=epoch)
     assert desk.register.unswept == {"C", "D", "E"}
 
 
 def test_passed_without_a_sweep_it_must_still_be_swept() -> None:
     desk = swept_line()
-    granted = desk.hear("u1", OVER)
-    assert isinstance(granted, RouteGranted)
-    desk.hear("u1", HoldingReport(("E",), granted.token))
+    desk.hear("u1", HoldingReport(("E",), over(desk).token))
     assert desk.kinds == [Freed]
     assert desk.register.unswept == {"C", "D", "E"}
 

@@ -74,24 +74,14 @@ def test_asked_again_under_the_same_number_it_is_answered_alike() -> None:
 
 
 def test_nobody_goes_out_over_points_into_which_another_may_overrun() -> None:
-    """u1 stands on the second track of station 1 and would leave over the points beyond the first, where u0 comes."""
-    ways = [["0.1", "1.1"], ["1.2", "2.2"]]
-    play = Play(config_of([2, 2, 2], ways), ways)
-    assert play.acts(0)
-    assert play.acts(0)  # has leave
-    assert not play.acts(1)
-    assert play.acts(0)
-    assert play.acts(1)
+    """u1 stands on the second track of station 1 and would leave over the points beyond the first, where u0 comes.
 
-
-def test_who_goes_out_over_them_keeps_the_other_out() -> None:
+    Who has leave first keeps the other out: u0 with its leave to come in, or u1 while it may be on the points.
+    """
     ways = [["0.1", "1.1"], ["1.2", "2.2"]]
-    play = Play(config_of([2, 2, 2], ways), ways)
-    assert play.acts(1)
-    assert play.acts(0)
-    assert not play.acts(0)  # no leave while u1 may be on the points
-    assert play.acts(1)
-    assert play.acts(0)
+    for moves in ((0, 0, 1, 0, 1), (1, 0, 0, 1, 0)):
+        play = Play(config_of([2, 2, 2], ways), ways)
+        assert [play.acts(train) for train in moves] == [True, True, False, True, True]
 
 
 def test_a_unit_that_boots_on_its_way_is_given_no_leave_by_signing_on() -> None:

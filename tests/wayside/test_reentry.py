@@ -139,8 +139,7 @@ def test_left_out_and_the_unit_speaks_its_claim_is_added_and_shown(
         assert [type(note) for note in desk.notes].count(Contradicted) == len(wrong)
         assert PictureClash.ENTERED_FREE.value in desk.why
     desk.claim("u2", "u3")
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
     assert desk.register.held_by("u1") == ("A", "B")
     assert desk.check_no_grant_takes_what_a_train_holds() > 0
 
@@ -162,8 +161,7 @@ def test_swapped_and_the_units_speak_both_are_disputed_until_the_person_corrects
     assert desk.act(ConfirmHolding("u1", ("A", "B"), "Sato"))[0] is WordTaken
     assert desk.act(EnterSection("E", "u2", "Sato"))[0] is WordTaken
     desk.claim("u1", "u2")
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
     assert desk.check_no_grant_takes_what_a_train_holds() > 0
 
 
@@ -205,8 +203,7 @@ def test_two_persons_speak_for_a_silent_unit_which_then_learns_it(mode: ReentryM
     desk.accept()
     assert not desk.register.defined
     desk.act(ConfirmHolding("u1", ("A", "B"), "Mori"))
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
     assert desk.register.unit("u1").standing is UnitStanding.BY_HAND
     accepted = desk.hear("u1", SignOn("u1", None), 2)
     assert isinstance(accepted, SignOnAccepted)
@@ -222,8 +219,7 @@ def test_persons_who_differ_define_nothing(mode: ReentryMode) -> None:
     assert desk.accept() == [Refused]
     assert not desk.register.defined
     desk.act(ConfirmHolding("u1", ("A", "B"), "Sato"))
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
     assert desk.register.held_by("u1") == ("A", "B")
 
 
@@ -243,8 +239,7 @@ def test_the_ledger_blocks_outside_by_one_person_and_never_frees() -> None:
     assert "a second person" in desk.why
     assert desk.accept() == [Refused]
     assert desk.act(ConfirmOutside("u1", "Mori", "P0")) == [WordTaken, PictureChanged]
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
     assert desk.register.ledger == {"u2", "u3"}
 
 
@@ -255,8 +250,7 @@ def test_a_lost_ledger_counts_every_unit_as_on_the_line() -> None:
     assert "unit u4" in desk.why
     assert desk.act(ConfirmOutside("u4", "Sato")) == [Refused]
     desk.claim("u4")  # empty: it is off the line, in its own word
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
 
 
 def test_a_unit_that_was_heard_but_does_not_know_is_not_taken_as_outside() -> None:
@@ -265,8 +259,7 @@ def test_a_unit_that_was_heard_but_does_not_know_is_not_taken_as_outside() -> No
     assert desk.hear("u4", SignOn("u4", None)) == SignOnRefused(RefusalReason.CLAIM_NEEDED)
     assert desk.accept() == [Refused]
     desk.act(ConfirmOutside("u4", "Sato"))
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
 
 
 def test_one_persons_entry_for_a_unit_off_the_line_blocks_too() -> None:
@@ -278,8 +271,7 @@ def test_one_persons_entry_for_a_unit_off_the_line_blocks_too() -> None:
     assert desk.accept() == [Refused]
     assert PictureClash.ENTERED_BUT_OUTSIDE.value in desk.why
     desk.act(ConfirmOutside("u4", "Sato"))
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
 
 
 # units and the picture -----------------------------------------------------------------------------------------
@@ -333,8 +325,7 @@ def test_an_entry_after_the_acceptance_takes_it_back() -> None:
     desk.act(EnterSection("C", "u2", "Sato"))
     desk.claim(*HELD)
     assert not desk.register.defined
-    desk.accept()
-    assert desk.register.defined
+    desk.define()
     assert desk.act(EnterSection("C", None, "Sato")) == [Refused]
     assert desk.why == "Sato: nothing to restore"
 

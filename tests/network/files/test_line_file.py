@@ -8,6 +8,7 @@ from network.model import Direction, PointsLeg, Position, SectionKind, TagPurpos
 from network.timetable import parse_timetable
 from network.train_fit import usable_length_m, validate_train_fits
 from tests.network.sample import SAMPLE, changed
+from tests.trains import timetable_of
 
 HALT = """[[stations]]
 id = "G"
@@ -279,21 +280,9 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert load_line(good) == parse_line(SAMPLE, "sample.toml")
 
 
-TIMETABLE = """
-[timetable]
-id = "t"
-line = "sample"
-[[trains]]
-number = "1"
-direction = "down"
-calls = [{ station = "A", departure = "06:00" }, { station = "H", arrival = "06:02", departure = "06:03" },
-  { station = "B", arrival = "06:06" }]
-begins = "portal:P"
-ends = "stabled"
-[[diagrams]]
-stock = "K"
-trains = ["1"]
-"""
+TIMETABLE = timetable_of(
+    "t", "sample", "1 down, portal:P to stabled: A -/06:00; H 06:02/06:03; B 06:06/-", K="1"
+)
 
 
 @pytest.mark.parametrize(

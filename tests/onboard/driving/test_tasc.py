@@ -57,6 +57,13 @@ def fresh() -> NDArray[np.void]:
     return np.zeros(1, dtype=TASC)
 
 
+def braking(pattern_mps2: float) -> np.void:
+    """One that brakes by a pattern of this deceleration."""
+    tasc: np.void = fresh()[0]
+    tasc["braking"], tasc["pattern_mps2"] = 1, pattern_mps2
+    return tasc
+
+
 def test_the_rows_have_the_fields_that_the_laws_see() -> None:
     assert tuple(DesignRow.__annotations__) == DESIGN.names
     assert tuple(TascRow.__annotations__) == TASC.names
@@ -164,9 +171,7 @@ def test_no_brake_before_the_pattern_is_met() -> None:
 
 @given(moved_m=st.floats(-6.0, 3.0))
 def test_a_fix_changes_the_demand_no_more_than_the_new_distance_requires(moved_m: float) -> None:
-    tasc, row = fresh()[0], design(gain_per_s=2.0)
-    tasc["braking"] = 1
-    tasc["pattern_mps2"] = 0.8
+    tasc, row = braking(0.8), design(gain_per_s=2.0)
     speed, _ = pattern(row, 0.8, 50.0)
     left_m = 50.0 - moved_m
     demand = pattern_demand_mps2(tasc, row, speed, left_m, 0.0, moved_m)
@@ -177,17 +182,13 @@ def test_a_fix_changes_the_demand_no_more_than_the_new_distance_requires(moved_m
 
 
 def test_a_mark_much_farther_than_believed_releases_the_brake() -> None:
-    tasc, row = fresh()[0], design()
-    tasc["braking"] = 1
-    tasc["pattern_mps2"] = 0.8
+    tasc, row = braking(0.8), design()
     assert pattern_demand_mps2(tasc, row, 4.0, 60.0, 0.0, -50.0) == 0.0
     assert tasc["braking"] == 0
 
 
 def test_the_demand_never_lets_the_train_roll_at_the_mark() -> None:
-    tasc = fresh()[0]
-    tasc["braking"] = 1
-    tasc["pattern_mps2"] = 0.8
+    tasc = braking(0.8)
     downhill_mps2 = -0.1
     assert pattern_demand_mps2(tasc, design(), 0.0, 0.5, downhill_mps2, 0.0) >= 0.1 + LEAST_BRAKE_MPS2 - 1e-12
 
@@ -195,9 +196,7 @@ def test_the_demand_never_lets_the_train_roll_at_the_mark() -> None:
 def test_integral_and_derivative_add_to_the_demand() -> None:
     demands = []
     for changes in ({}, {"integral_gain_per_s2": 0.5}, {"derivative_gain": 0.1}):
-        tasc, row = fresh()[0], design(**changes)
-        tasc["braking"] = 1
-        tasc["pattern_mps2"] = 0.6
+        tasc, row = braking(0.6), design(**changes)
         tasc["integral_m"] = 0.1
         speed = pattern(row, 0.6, 50.0)[0] + 0.05
         demands.append(pattern_demand_mps2(tasc, row, speed, 50.0, 0.0, 0.0))
@@ -221,9 +220,7 @@ def test_without_prediction_it_decides_on_the_present_state() -> None:
 
 def test_without_redrawing_a_fix_leaves_the_pattern_to_the_gain() -> None:
     row = without(StopLawPart.REDRAWING)
-    tasc = fresh()[0]
-    tasc["braking"] = 1
-    tasc["pattern_mps2"] = 0.8
+    tasc = braking(0.8)
     speed, _ = pattern(row, 0.8, 50.0)
     nearer_mps, _ = pattern(row, 0.8, 45.0)
     assert pattern_demand_mps2(tasc, row, speed, 45.0, 0.0, 5.0) == pytest.approx(
@@ -233,9 +230,7 @@ def test_without_redrawing_a_fix_leaves_the_pattern_to_the_gain() -> None:
 
 
 def test_without_feed_forward_only_what_is_off_the_pattern_is_braked() -> None:
-    row, tasc = without(StopLawPart.FEED_FORWARD), fresh()[0]
-    tasc["braking"] = 1
-    tasc["pattern_mps2"] = 0.8
+    row, tasc = without(StopLawPart.FEED_FORWARD), braking(0.8)
     speed, _ = pattern(row, 0.8, 50.0)
     assert pattern_demand_mps2(tasc, row, speed + 0.5, 50.0, 0.0, 0.0) == pytest.approx(0.6 * 0.5)
 
@@ -243,9 +238,7 @@ def test_without_feed_forward_only_what_is_off_the_pattern_is_braked() -> None:
 def test_without_resistance_the_demand_is_all_of_the_pattern() -> None:
     demands = []
     for row in (design(), without(StopLawPart.RESISTANCE)):
-        tasc = fresh()[0]
-        tasc["braking"] = 1
-        tasc["pattern_mps2"] = 0.8
+        tasc = braking(0.8)
         demands.append(pattern_demand_mps2(tasc, row, pattern(row, 0.8, 50.0)[0], 50.0, 0.05, 0.0))
     assert demands == pytest.approx([0.75, 0.8])
 

@@ -61,6 +61,11 @@ class Train:
         beyond_m = self.true_m - self.unit.position_m
         return float(max(beyond_m - self.unit.bound_ahead_m, -beyond_m - self.unit.bound_behind_m))
 
+    def seconds(self, count: int, error_m: float | None) -> None:
+        """So many seconds of fixes that err so, or without any."""
+        for _ in range(count):
+            self.second(error_m)
+
     def most_out_m(self, error_m: float) -> float:
         """Now, and in 20 s of fixes that err so."""
         found_m = [self.out_m]
@@ -77,8 +82,7 @@ class Train:
 def with_fixes(unit: UnitRow, seconds: int) -> Train:
     """A train with bounds of 60 m, after so many good fixes."""
     train = Train(unit, 60.0)
-    for _ in range(seconds):
-        train.second(0.0)
+    train.seconds(seconds, 0.0)
     return train
 
 
@@ -147,16 +151,14 @@ def test_what_cannot_be_is_refused(unit: UnitRow, age_s: float) -> None:
 
 def test_a_fix_off_the_bounds_is_refused(unit: UnitRow) -> None:
     train = Train(unit, bound_m=2.0)
-    for _ in range(BORNE_OUT - 1):
-        train.second(60.0)
+    train.seconds(BORNE_OUT - 1, 60.0)
     assert train.second(60.0) == REFUSED
     assert train.out_m < 0.0
 
 
 def test_a_jump_widens_what_the_receiver_says_until_it_goes_back(unit: UnitRow) -> None:
     train = Train(unit, bound_m=30.0)
-    for _ in range(10):
-        train.second(0.0)
+    train.seconds(10, 0.0)
     assert train.second(50.0) == REFUSED
     for _ in range(60):
         assert train.second(50.0) != REFUSED
@@ -171,8 +173,7 @@ def test_a_jump_widens_what_the_receiver_says_until_it_goes_back(unit: UnitRow) 
 
 def test_narrow_bounds_of_others_confirm_a_receiver(unit: UnitRow) -> None:
     train = Train(unit, bound_m=30.0)
-    for _ in range(10):
-        train.second(30.0)
+    train.seconds(10, 30.0)
     train.second(0.0)  # it has come to its senses, which looks as if it had lost them
     assert reader.lie_m(train.own, unit)[0] < -25.0
     unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 0.5, 0.5  # a tag
@@ -182,8 +183,7 @@ def test_narrow_bounds_of_others_confirm_a_receiver(unit: UnitRow) -> None:
 
 def test_a_new_path_begins_anew(unit: UnitRow) -> None:
     train = Train(unit)
-    for _ in range(10):
-        train.second(0.0)
+    train.seconds(10, 0.0)
     unit.paths_taken_up += 1
     for name in ("position_m",):
         setattr(unit, name, getattr(unit, name) + 5000.0)
@@ -257,12 +257,10 @@ def test_a_receiver_silent_till_the_path_began_may_lie_by_all_that_bounds_leave(
     """Nothing tells how it came to show what lies in wide bounds: on a first path, or on the next after a jam."""
     train = Train(unit, 60.0)
     train.own.forgives = int(forgives)
-    for _ in range(10 if new_path else 0):
-        train.second(0.0)
+    train.seconds(10 if new_path else 0, 0.0)
     unit.bound_ahead_m = unit.bound_behind_m = 60.0
     train.speed_mps = 0.0
-    for _ in range(round(LOST_S) + 1):
-        train.second(None)
+    train.seconds(round(LOST_S) + 1, None)
     unit.paths_taken_up += int(new_path)
     out_m = -math.inf
     for _ in range(20):
@@ -274,8 +272,7 @@ def test_a_receiver_silent_till_the_path_began_may_lie_by_all_that_bounds_leave(
 
 def test_narrow_bounds_prove_a_receiver_by_its_first_fix(unit: UnitRow) -> None:
     train = Train(unit, 5.0, speed_mps=0.0)
-    for _ in range(round(LOST_S) + 1):
-        train.second(None)
+    train.seconds(round(LOST_S) + 1, None)
     train.second(3.0)
     assert reader.lie_m(train.own, unit) == (0.0, 0.0)
 
@@ -288,8 +285,7 @@ def after_a_gap(unit: UnitRow, wheels: float = 1.0, forgives: bool = False) -> T
     """A receiver that is right before and after a kilometre without signals, in which wheels count so."""
     train = with_fixes(unit, 20)
     train.own.forgives, train.wheels = int(forgives), wheels
-    for _ in range(49):
-        train.second(None)
+    train.seconds(49, None)
     train.second(0.0)
     train.wheels = 1.0
     return train
@@ -329,10 +325,8 @@ def test_of_several_gaps_the_greatest_counts_until_bounds_show_what_lie_there_is
     train = after_a_gap(unit)
     alone = reader.lie_m(train.own, unit)
     for seconds in (40, 30):
-        for _ in range(20):
-            train.second(0.0)
-        for _ in range(seconds):
-            train.second(None)
+        train.seconds(20, 0.0)
+        train.seconds(seconds, None)
     train.second(0.0)
     assert reader.lie_m(train.own, unit) == pytest.approx(alone, abs=0.1)
     unit.position_m, unit.bound_ahead_m, unit.bound_behind_m = train.true_m, 2.0, 2.0
@@ -440,8 +434,7 @@ def test_what_creeps_up_slower_than_wheels_may_err_is_not_held(unit: UnitRow) ->
 
 def test_the_lie_that_is_kept_is_what_holds_it(unit: UnitRow) -> None:
     train = Train(unit, 30.0)
-    for _ in range(20):
-        train.second(0.0)
+    train.seconds(20, 0.0)
     for _ in range(30):
         train.second(35.0)
         forget(train.own)
@@ -453,8 +446,7 @@ def test_the_lie_that_is_kept_is_what_holds_it(unit: UnitRow) -> None:
 def test_a_fix_taken_while_the_unit_was_off_is_no_use(unit: UnitRow, knows: bool) -> None:
     """Off for 3 s in which the train runs 60 m: the receiver has not moved against the wheels (random run 20034)."""
     train = Train(unit)
-    for _ in range(20):
-        train.second(0.0)
+    train.seconds(20, 0.0)
     off_m = 60.0
     train.true_m += off_m
     unit.odometer_m += off_m
@@ -462,17 +454,14 @@ def test_a_fix_taken_while_the_unit_was_off_is_no_use(unit: UnitRow, knows: bool
     unit.paths_taken_up += 1
     unit.boots += int(knows)
     train.tick(0.0)
-    for _ in range(FIRST_FIXES + 5):
-        train.second(0.0)
+    train.seconds(FIRST_FIXES + 5, 0.0)
     assert (reader.lie_m(train.own, unit) == (0.0, 0.0)) is knows
 
 
 def test_what_is_known_of_a_receivers_error_outlasts_the_units_power(unit: UnitRow) -> None:
     train = Train(unit)
-    for _ in range(10):
-        train.second(0.0)
-    for _ in range(10):
-        train.second(30.0)
+    train.seconds(10, 0.0)
+    train.seconds(10, 30.0)
     assert reader.lie_m(train.own, unit)[1] > 20.0
     unit.paths_taken_up += 1
     unit.boots += 1

@@ -59,6 +59,12 @@ class Ride:
         row.bound_behind_m += counted_m * row.bound_growth
         self.true_m = true_m
 
+    def read_all(self, *tags: PathTag) -> None:
+        """Run to where each lies and read it."""
+        for tag in tags:
+            self.run_to(tag.position_m)
+            self.read(tag)
+
     def read(self, tag: PathTag, error_m: float = 0.0) -> TagOutcome:
         """The reader reads what calls itself `tag`; what the driving part makes of it."""
         heard, _ = self.doubt.tag_read(tag, float(self.row.odometer_m) + error_m)
@@ -180,9 +186,7 @@ def test_a_worn_wheel_is_not_taken_for_wrong_tags() -> None:
     ride = Ride(
         tags_at(*(START_M + 1000.0 * n for n in range(1, 8))), worn=1.0 - PARAMETERS.wheel_scale_limit
     )
-    for tag in ride.tags:
-        ride.run_to(tag.position_m)
-        ride.read(tag)
+    ride.read_all(*ride.tags)
     assert set(ride.heard) == {TagOutcome.BELIEVED}
 
 
@@ -233,9 +237,7 @@ def test_of_two_faults_one_after_the_other_the_tag_between_is_spanned() -> None:
 def measured(*further_m: float) -> Ride:
     """Five tags have told what wheels are worth, then one said that it is another one, far away."""
     ride = Ride(tags_at(*(START_M + 1000.0 * n for n in range(1, 6)), *further_m, 20_000.0))
-    for tag in ride.tags[:5]:
-        ride.run_to(tag.position_m)
-        ride.read(tag)
+    ride.read_all(*ride.tags[:5])
     ride.run_to(ride.true_m + 300.0)
     assert ride.read(ride.tags[-1]) is TagOutcome.OUT
     assert ride.row.bound_growth == PARAMETERS.doubt_error_share
@@ -319,9 +321,7 @@ def test_wheels_that_are_out_of_order_say_nothing_of_where_it_is() -> None:
 @pytest.mark.parametrize("turned", [False, True])
 def test_on_another_path_what_tags_said_is_kept(turned: bool) -> None:
     ride = Ride(tags_at(200.0, 300.0))
-    for tag in ride.tags:
-        ride.run_to(tag.position_m)
-        ride.read(tag)
+    ride.read_all(*ride.tags)
     ride.run_to(310.0)
     kept = ride.doubt.leave_path(turned=turned)
     ride.row.position_m = 5000.0

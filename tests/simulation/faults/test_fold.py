@@ -1,5 +1,6 @@
 """Faults that overlap: at any time a quantity is what those in force make of its base, and nothing else."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, Final
@@ -112,6 +113,14 @@ class World:
         while (item := self.agenda.pop_due(step_now)) is not None:
             self.injector.due(item.step, item.subject)
 
+    def seen(self, seconds: Sequence[int], look: Callable[[int], object]) -> list[object]:
+        """What is to be seen after each of these."""
+        found: list[object] = []
+        for second in seconds:
+            self.run_to(second * 10)
+            found.append(look(second))
+        return found
+
     def arrives(self) -> list[int]:
         """Steps at which a telegram of step 100 arrives."""
         return [d.step for d in disturbed(self.in_force, "K1", "B-W", (Delivery(100, b"x"),))]
@@ -125,21 +134,15 @@ def test_a_short_fault_inside_a_long_one_takes_only_itself_away() -> None:
     world = World(
         (failure(Scale(target="K1", factor=0.8), 2.0, 60.0), failure(NoOutput(target="K1"), 8.0, 6.0))
     )
-    gains = []
-    for second in (1, 5, 10, 20, 70):
-        world.run_to(second * 10)
-        gains.append(world.tachometer.gain)
-    assert gains == [1.0, 0.8, 0.0, 0.8, 1.0]
+    seen = world.seen((1, 5, 10, 20, 70), lambda _: world.tachometer.gain)
+    assert seen == [1.0, 0.8, 0.0, 0.8, 1.0]
 
 
 def test_a_unit_claims_what_every_fault_in_force_has_it_claim() -> None:
     claims = (FalseClaims(target="K1", section="7"), FalseClaims(target="K1", section="9"))
     world = World((failure(claims[0], 2.0, 60.0), failure(claims[1], 8.0, 6.0)))
-    claimed: list[tuple[str, ...]] = []
-    for second in (5, 10, 20, 70):
-        world.run_to(second * 10)
-        claimed.append(world.claims["K1"])
-    assert claimed == [("7",), ("7", "9"), ("7",), ()]
+    seen = world.seen((5, 10, 20, 70), lambda _: world.claims["K1"])
+    assert seen == [("7",), ("7", "9"), ("7",), ()]
 
 
 def test_bounds_are_not_judged_until_the_last_of_a_tachometers_faults_is_over() -> None:
@@ -171,11 +174,10 @@ def test_a_clock_drifts_from_when_it_begins_to_and_is_right_again_afterwards(par
             failure(WrongClock(target=party, drift_ppm=10_000.0), 200.0, 100.0),
         )
     )
-    errors = []
-    for second in (50, 150, 250, 350, 450):
-        world.run_to(second * 10)
-        errors.append(round(world.clocks[party].shows(second) - second, 6))
-    assert errors == [0.0, 30.0, 30.5, 30.0, 0.0]
+    seen = world.seen(
+        (50, 150, 250, 350, 450), lambda second: round(world.clocks[party].shows(second) - second, 6)
+    )
+    assert seen == [0.0, 30.0, 30.5, 30.0, 0.0]
 
 
 def test_a_brake_is_in_order_again_with_the_last_of_its_faults() -> None:
@@ -185,10 +187,7 @@ def test_a_brake_is_in_order_again_with_the_last_of_its_faults() -> None:
             failure(Brake(target="K1", reserve=0.4), 5.0, 5.0),
         )
     )
-    seen = []
-    for second in (0, 2, 6, 12, 30):
-        world.run_to(second * 10)
-        seen.append((world.vehicle["brake_good"], world.brake_reserve))
+    seen = world.seen((0, 2, 6, 12, 30), lambda _: (world.vehicle["brake_good"], world.brake_reserve))
     assert seen == [(True, 1.0), (False, 0.5), (False, 0.2), (False, 0.5), (True, 1.0)]
 
 
@@ -199,10 +198,7 @@ def test_motors_cut_out_one_after_the_other_add_up() -> None:
             failure(Motors(target="K1", cut_out=1), 5.0, 5.0),
         )
     )
-    seen = []
-    for second in (0, 2, 6, 12, 30):
-        world.run_to(second * 10)
-        seen.append((world.cut_out, world.vehicle.get("motors_share", 1.0)))
+    seen = world.seen((0, 2, 6, 12, 30), lambda _: (world.cut_out, world.vehicle.get("motors_share", 1.0)))
     assert seen == [(0, 1.0), (2, 0.5), (3, 0.25), (2, 0.5), (0, 1.0)]
 
 

@@ -15,25 +15,15 @@ from simulation.setup import Setup
 from study.capacity.observed import occupations_run
 from study.capacity.occupation import Occupation
 from study.measures.register_holds import section_holds
+from tests.trains import timetable_of
 
-TIMES = """
-[timetable]
-id = "two_blocks"
-name = "Two blocks by hand"
-line = "rtri_test_line"
-dwell_min_s = 20
-
-[[trains]]
-number = "T1"
-direction = "down"
-begins = "portal:PW"
-ends = "stabled"
-calls = [{ station = "A", track = "1", departure = "10:00:00" }, { station = "B", track = "1", arrival = "10:00:30" }]
-
-[[diagrams]]
-stock = "K1"
-trains = ["T1"]
-"""
+TIMES = timetable_of(
+    "two_blocks",
+    "rtri_test_line",
+    "T1 down, portal:PW to stabled: A 1 -/10:00:00; B 1 10:00:30/-",
+    dwell_min_s=20,
+    K1="T1",
+)
 
 STONE = """
 [patch.train.ev_e301.set]

@@ -26,6 +26,7 @@ from study.drilling.drill import find_drill
 from study.evaluate import headways_driven
 from study.evaluate.headways_driven import LATE_S, OFF_S, DrivenHeadway, HeadwayDrives
 from tests.nightly import others_nightly
+from tests.study.capacity.test_headway_driven import drives_of
 
 DRILL: Final = "rtri/77_follows_in_blocks"
 FOLLOWS_FROM_A: Final = "A", HeadwayKind.FOLLOWING
@@ -38,12 +39,8 @@ ROWS: Final = (FOLLOWS_FROM_A, COMES_TO_A, FOLLOWS_FROM_B, COMES_TO_B)
 @contextmanager
 def driven_row(key: tuple[str, HeadwayKind]) -> Iterator[tuple[HeadwayDrives, HeadwayCase]]:
     """What drives a row of the test line in blocks, and the row."""
-    scenario = load_scenario(find_drill(DRILL))
-    setup = undisturbed_setup(scenario.setup)
-    cases = line_cases(setup.line, occupations(setup, MINIMAL), setup.unit.dwell_min_s)
-    with scratch("branchline-") as folder:
-        case = next(c for c in cases if (c.station_id, c.headway.kind) == key)
-        yield HeadwayDrives(replace(scenario, setup=setup), folder), case
+    with drives_of(find_drill(DRILL)) as (drives, cases):
+        yield drives, next(c for c in cases if (c.station_id, c.headway.kind) == key)
 
 
 def drive(key: tuple[str, HeadwayKind], *, searched: bool = False) -> DrivenHeadway:

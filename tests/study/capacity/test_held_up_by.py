@@ -15,6 +15,7 @@ from study.capacity.legs import legs_of, places_of, stand_of
 from study.capacity.occupation import OccupationCost
 from study.capacity.rules import MINIMAL
 from study.capacity.theory import occupations
+from tests.trains import day_of
 
 VALLEY: Final = Path(__file__).parents[2] / "examples" / "line"
 Run = tuple[str, str, str, str, tuple[str, str], tuple[str, str]]
@@ -33,17 +34,12 @@ def valley_times(trains: Sequence[Run] = RUNS) -> str:
     head = '[timetable]\nid = "valley_times"\nline = "valley"\ndwell_min_s = 20\nassumed = ["all"]\n'
     track = {"down": "1", "up": "2"}
     made = [
-        f'[[trains]]\nnumber = "{number}"\ndirection = "{direction}"\n'
-        f'begins = "{before if before == "stabled" else f"from:{before}"}"\n'
-        f'ends = "{after if after == "stabled" else f"becomes:{after}"}"\n'
-        f'calls = [{{ station = "{a}", departure = "{at}" }}, {{ station = "MRI", track = "{track[direction]}",'
-        f' arrival = "{at[:3]}{int(at[3:]) + 4:02}", departure = "{at[:3]}{int(at[3:]) + 5:02}:30" }},'
-        f' {{ station = "{b}", arrival = "{by}" }}]\n'
+        f"{number} {direction}, {before if before == 'stabled' else f'from:{before}'} to"
+        f" {after if after == 'stabled' else f'becomes:{after}'}: {a} -/{at}; MRI {track[direction]}"
+        f" {at[:3]}{int(at[3:]) + 4:02}/{at[:3]}{int(at[3:]) + 5:02}:30; {b} {by}/-"
         for number, before, after, direction, (a, at), (b, by) in trains
     ]
-    sets = (("S1", '"1", "4", "5"'), ("S2", '"2", "3", "6"'))
-    diagrams = [f'[[diagrams]]\nstock = "{stock}"\ntrains = [{runs}]\n' for stock, runs in sets]
-    return "\n".join((head, *made, *diagrams))
+    return head + day_of(*made, S1="1 4 5", S2="2 3 6")
 
 
 def _headways(

@@ -16,6 +16,7 @@ from study.capacity.occupation import Occupation, OccupationPart, conflicts_of
 from study.capacity.rules import AS_UNITS, MINIMAL, VIRTUAL_BLOCKS, Rules
 from study.capacity.theory import Theory, occupations
 from tests.study.capacity.by_hand import TIMES, two_blocks
+from tests.trains import day_of
 
 R, A, G, T, P = (
     OccupationPart.REQUEST,
@@ -222,24 +223,16 @@ def test_radio_moves_its_own_parts_alone(tmp_path: Path) -> None:
 def test_moved_journeys_move_their_occupations(tmp_path: Path) -> None:
     theory = Theory(two_blocks(tmp_path), MINIMAL)
     (journey,) = theory.journeys()["K1"]
-    before = theory.of_journeys("K1", (journey,))
-    after = theory.of_journeys("K1", (journey.moved(100.0),))
+    before = theory.of_day({"K1": (journey,)})
+    after = theory.of_day({"K1": (journey.moved(100.0),)})
     assert len(before) == len(after) == 8
     for one, other in zip(before, after, strict=True):
         assert other.begin_s == pytest.approx(one.begin_s + 100.0, abs=1e-6)
         assert other.length_s == pytest.approx(one.length_s, abs=1e-6)
 
 
-TURNS = (
-    TIMES.replace('"stabled"', '"becomes:T2"').replace('["T1"]', '["T1", "T2"]')
-    + """
-[[trains]]
-number = "T2"
-direction = "up"
-begins = "from:T1"
-ends = "stabled"
-calls = [{ station = "B", track = "1", departure = "10:01:20" }, { station = "A", track = "1", arrival = "10:03:00" }]
-"""
+TURNS = TIMES.replace('"stabled"', '"becomes:T2"').replace('["T1"]', '["T1", "T2"]') + day_of(
+    "T2 up, from:T1 to stabled: B 1 -/10:01:20; A 1 10:03:00/-"
 )
 
 

@@ -11,6 +11,8 @@ from typing import Any, Final
 import numpy as np
 import polars as pl
 
+from tests.trains import day_of
+
 SLOWER_POINTS: Final = """
 [patch.line.set]
 "points.OGN.11.throw_time_s" = 45.0
@@ -32,26 +34,11 @@ OTHER_TRAIN: Final = """
 default = "br642"
 """
 # 323M of the weekday, which the round trip lacks; it meets 324M at Ogane and stays at Karasuyama.
-ONE_MORE: Final = """
-[[patch.timetable.add.trains]]
-number = "323M"
-direction = "down"
-begins = "portal:HSK.MD"
-ends = "stabled"
-calls = [
-  { station = "HSK", departure = "06:36" },
-  { station = "SHN", arrival = "06:41", departure = "06:41" },
-  { station = "NIT", arrival = "06:44", departure = "06:45" },
-  { station = "KNY", arrival = "06:48", departure = "06:49" },
-  { station = "OGN", arrival = "06:55", departure = "06:56" },
-  { station = "KBN", arrival = "07:00", departure = "07:00" },
-  { station = "TAK", arrival = "07:04", departure = "07:04" },
-  { station = "KRS", arrival = "07:09" },
-]
-[[patch.timetable.add.diagrams]]
-stock = "V3"
-trains = ["323M"]
-"""
+ONE_MORE: Final = day_of(
+    "323M down, portal:HSK.MD to stabled: HSK -/06:36; SHN 06:41/06:41; NIT 06:44/06:45; KNY 06:48/06:49;"
+    " OGN 06:55/06:56; KBN 07:00/07:00; TAK 07:04/07:04; KRS 07:09/-",
+    V3="323M",
+).replace("[[", "[[patch.timetable.add.")
 ONE_LESS: Final = """
 [patch.timetable.remove]
 trains = ["347M"]

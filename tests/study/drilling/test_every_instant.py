@@ -30,6 +30,7 @@ from study.drilling.outcome_class import OutcomeKind
 from study.drilling.replay_file import replay_of
 from study.runner.run import PartyLink
 from tests.nightly import others_nightly
+from tests.scenario.own import own_scenario
 
 TEN: Final = 36_000.0  # T1's departure
 
@@ -47,11 +48,7 @@ def sweep_of(
 
 @pytest.fixture(scope="module")
 def two_trains(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
-    file = tmp_path_factory.mktemp("two") / "two.toml"
-    file.write_text(
-        'extends = "rtri_test_line"\nid = "two"\nname = "two"\ntimetable = "rtri_two_trains"\n', "utf-8"
-    )
-    return load_scenario(str(file))
+    return own_scenario(tmp_path_factory.mktemp("two"), 'timetable = "rtri_two_trains"\n', "rtri_test_line")
 
 
 # a copy ---------------------------------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ from tests.nightly import A_FIFTH, others_nightly
 from tests.study.feasibility.broken_plans import BREAKS, STATIONS, TEN, Broken, good, journey
 from tests.study.feasibility.good_plans import good_plan
 from tests.study.feasibility.plans import Plan, call_at, later, with_call
-from tests.system.test_passing import SCENARIO, TIMETABLE
+from tests.system.test_passing import SCENARIO, times_of
 
 NOT_TO_WORK = ("karasuyama_without_loop",)
 
@@ -176,9 +176,7 @@ def test_a_missing_arrival_is_that_of_a_train_without_delay() -> None:
 @pytest.mark.parametrize(("passes", "place"), [("07:17:30", None), ("07:09", "OGN-KBN")])
 def test_passing_and_standing_for_nobody_count(passes: str, place: str | None, tmp_path: Path) -> None:
     """1D runs through Ogane while 2U stands there for it; or eight minutes before 2U, and itself, can be there."""
-    (tmp_path / "timetable.toml").write_text(
-        TIMETABLE.format(leaves="07:00", arrives="07:16", passes=passes), "utf-8"
-    )
+    (tmp_path / "timetable.toml").write_text(times_of("07:00", "07:16", passes), "utf-8")
     (tmp_path / "day.toml").write_text(SCENARIO.replace("line.toml", "karasuyama"), "utf-8")
     found = feasibility(load_scenario(str(tmp_path / "day.toml")).setup)
     wrong = [(FindingKind.LEG, "HSK-OGN"), (FindingKind.OPPOSING, place)] if place else []

@@ -22,28 +22,17 @@ from study.measures.standard_times import (
     standard_times,
     whole_line,
 )
+from tests.scenario.own import own_scenario
+from tests.trains import timetable_of
 
-PASSING = """
-[timetable]
-id = "passing"
-line = "karasuyama"
-dwell_min_s = 20
-[[trains]]
-number = "1D"
-direction = "down"
-begins = "portal:HSK.MD"
-ends = "stabled"
-calls = [
-  { station = "HSK", departure = "07:00" },
-  { station = "NIT", pass = "07:07:20" },
-  { station = "OGN", arrival = "07:15", departure = "07:16", operational = true },
-  { station = "TAK", arrival = "07:22", departure = "07:23" },
-  { station = "KRS", arrival = "07:27" },
-]
-[[diagrams]]
-stock = "A"
-trains = ["1D"]
-"""
+PASSING = timetable_of(
+    "passing",
+    "karasuyama",
+    "1D down, portal:HSK.MD to stabled: HSK -/07:00; NIT pass 07:07:20; OGN 07:15/07:16 operational;"
+    " TAK 07:22/07:23; KRS 07:27/-",
+    dwell_min_s=20,
+    A="1D",
+)
 
 
 @pytest.fixture(scope="module")
@@ -118,13 +107,11 @@ def test_a_line_without_a_way_through_has_none(setup: Setup) -> None:
 
 
 def test_a_hill_too_steep_is_said_and_not_rounded(setup: Setup, tmp_path: Path) -> None:
-    (tmp_path / "steep.toml").write_text(
-        'extends = "karasuyama_weekday"\nid = "steep"\nname = "steep"\n[patch.line.set]\n'
-        '"alignments.main.gradients.13.permille" = 120.0\n'
-        '"alignments.main.gradients.14.permille" = 120.0\n',
-        "utf-8",
+    gradients = (
+        '[patch.line.set]\n"alignments.main.gradients.13.permille" = 120.0\n'
+        '"alignments.main.gradients.14.permille" = 120.0\n'
     )
-    steep = load_scenario(str(tmp_path / "steep.toml")).setup
+    steep = own_scenario(tmp_path, gradients, "karasuyama_weekday").setup
     leg = next(t for t in standard_times(steep) if (t.from_id, t.to_id) == ("OGN", "KBN"))
     assert math.isinf(leg.stop_stop_s)
     assert (leg.rounded_s(), leg.as_dict()["stop_stop_s"]) == (None, None)

@@ -24,8 +24,8 @@ from tests.conftest import TURN_BACK_TIMETABLE
 
 END_S = 86_400.0
 NO_TRAINS = Timetable(HeadTable(id="none", line="karasuyama"), {}, ())  # what is planned stands in the stops
-PASSED = '  { station = "OGN", track = "1", arrival = "05:57" },'
-TIMES = TURN_BACK_TIMETABLE.replace(PASSED, f'  {{ station = "NIT", pass = "05:45:30" }},\n{PASSED}').replace(
+PASSED = '{ station = "OGN", track = "1", arrival = "05:57" }'
+TIMES = TURN_BACK_TIMETABLE.replace(PASSED, f'{{ station = "NIT", pass = "05:45:30" }}, {PASSED}').replace(
     'ends = "stabled"', 'ends = "portal:HSK.MU"'
 )
 H5, H6 = 5 * 3600.0, 6 * 3600.0

@@ -16,6 +16,7 @@ from study.plot.sumo_day import SumoDay, export_sumo, setup_as_run, vehicles_of,
 from study.record.read_back import read_run
 from study.runner.run import PartyLink, execute, write_run
 from tests.plain import run_on_plain
+from tests.scenario.own import own_scenario
 
 sumo = pytest.importorskip("sumo", reason="the extra net is not installed")
 AT_NIGHT = ("busy_line", "kururi_weekday", "isumi_weekday")
@@ -166,13 +167,8 @@ def test_a_run_directory_shows_the_day_as_it_ran(tmp_path: Path) -> None:
 @pytest.fixture
 def crossed(tmp_path: Path) -> Scenario:
     """A day on the test line with a road, of another seed than the default."""
-    file = tmp_path / "crossed.toml"
-    file.write_text(
-        'extends = "rtri_test_line"\nid = "crossed"\nname = "A road"\nseed = 7\n'
-        '[[patch.line.add.crossings]]\nid = "C1"\nsection = "6"\nkm = 0.75\nroad = { vehicles_per_h = [600.0] }\n',
-        encoding="utf-8",
-    )
-    return load_scenario(str(file))
+    road = 'id = "C1"\nsection = "6"\nkm = 0.75\nroad = { vehicles_per_h = [600.0] }\n'
+    return own_scenario(tmp_path, f"seed = 7\n[[patch.line.add.crossings]]\n{road}", "rtri_test_line")
 
 
 def test_a_road_is_in_it_and_nothing_stops_on_it(crossed: Scenario, tmp_path: Path) -> None:

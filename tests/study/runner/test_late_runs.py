@@ -11,6 +11,7 @@ from study.measures.day_figures import day_figures
 from study.record.figure import rows_in
 from study.record.wait import Cause, Wait
 from study.runner.run import CarrierKind, FinishedRun, PartyLink, execute
+from tests.conftest import turn_back_in
 
 FIXED = 'source = "made for tests"\nseconds = { distribution = "fixed", mean_s = 90.0 }\n'
 ENTRY = f"[late.entry.a]\n{FIXED}".replace("90.0", "400.0")
@@ -45,12 +46,7 @@ def late_s(of: FinishedRun, number: str, station: str) -> float:
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, FinishedRun]:
-    from tests.conftest import TURN_BACK_SCENARIO, TURN_BACK_TIMETABLE
-
-    folder = tmp_path_factory.mktemp("late")
-    (folder / "turn_back_times.toml").write_text(TURN_BACK_TIMETABLE, "utf-8")
-    (folder / "turn_back.toml").write_text(TURN_BACK_SCENARIO, "utf-8")
-    file = str(folder / "turn_back.toml")
+    file = turn_back_in(tmp_path_factory.mktemp("late"))
     off = "".join(part.replace("]\n", "]\non = false\n", 1) for part in (ENTRY, DWELL, DOORS, ZONE))
     texts = {"plain": "", "off": off, "entry": ENTRY, "dwell": DWELL, "doors": DOORS, "zone": ZONE}
     return {name: run(file, text) for name, text in texts.items()}

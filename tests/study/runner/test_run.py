@@ -29,7 +29,7 @@ from study.runner.run import (
     FinishedRun,
     PartyLink,
     UnitsAt,
-    broken_by,
+    broken_said,
     execute,
     link_of,
     terminals_of,
@@ -43,6 +43,10 @@ TABLES = (
 )
 TEXTS = ("summary.json", "inputs.json", "shown.json", "journal.jsonl", "report.html")
 WRITTEN = {*TEXTS, *(f"{name}.parquet" for name in TABLES)}
+
+
+def broken_by(run: RunResult, setup: Setup) -> tuple[str, ...]:
+    return tuple(said.en for said in broken_said(run, setup))
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ from study.drilling.drill import find_drill, run_drill, shipped_drills
 from study.drilling.every_instant import InstantWindow, Variation
 from study.drilling.moving import single_faults, staffed, what_is_moved
 from study.runner.run import PartyLink
+from tests.scenario.own import own_scenario
 from tests.system.conftest import SWITCHES
 from wayside.said import Leaving
 
@@ -37,11 +38,7 @@ def _is_movable(name: str, scenario: Scenario) -> bool:
 
 @pytest.fixture
 def two_trains(tmp_path: Path) -> Scenario:
-    file = tmp_path / "two.toml"
-    file.write_text(
-        'extends = "rtri_test_line"\nid = "two"\nname = "two"\ntimetable = "rtri_two_trains"\n', "utf-8"
-    )
-    return load_scenario(str(file))
+    return own_scenario(tmp_path, 'timetable = "rtri_two_trains"\n', "rtri_test_line")
 
 
 def test_single_faults_of_every_kind_at_every_second(two_trains: Scenario, bad_in: Sweeps) -> None:
