@@ -46,11 +46,7 @@ def equipment(
     out: ScenarioOut = None,
     proof: Annotated[
         Path | None,
-        typer.Option(
-            "--proof",
-            help="With --trains: file for the proof that nothing cheaper is enough (JSON).",
-            callback=written_last,
-        ),
+        written_last("--proof", "With --trains: file for the proof that nothing cheaper is enough (JSON)."),
     ] = None,
     check: Annotated[
         Path | None,

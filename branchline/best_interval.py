@@ -33,10 +33,7 @@ def interval(
     set_late: SetLate = False,
     out: ScenarioOut = None,
     proof: Annotated[
-        Path | None,
-        typer.Option(
-            "--proof", help="Where the proof that no less does is written (JSON).", callback=written_last
-        ),
+        Path | None, written_last("--proof", "Where the proof that no less does is written (JSON).")
     ] = None,
     check: Annotated[
         Path | None,

@@ -32,12 +32,7 @@ def roster(
     ] = 1800,
     out: ScenarioOut = None,
     proof: Annotated[
-        Path | None,
-        typer.Option(
-            "--proof",
-            help="Where the certificate that fewer cannot do is written (JSON).",
-            callback=written_last,
-        ),
+        Path | None, written_last("--proof", "Where the certificate that fewer cannot do is written (JSON).")
     ] = None,
     check: Annotated[
         Path | None,

@@ -31,9 +31,7 @@ def blocking(
             "--theory", help="Compute from running times, without a run; for a run directory both, compared."
         ),
     ] = False,
-    out: Annotated[
-        Path | None, typer.Option("--out", help="Write the table as CSV to this file.", callback=written_last)
-    ] = None,
+    out: Annotated[Path | None, written_last("--out", "Write the table as CSV to this file.")] = None,
     as_json: Json = False,
 ) -> None:
     """Show blocking times (閉そく占有時分) by train and section, what they consist of, and conflicts.

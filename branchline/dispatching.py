@@ -17,10 +17,7 @@ VERDICTS: Final = {"ORDER": "live", "NONE": "dead", "UNKNOWN": "unknown"}
 
 def displib(
     instance: Annotated[Path, typer.Argument(help="Instance in the form of DISPLIB (JSON).")],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", help="Where the solution is written (JSON).", callback=written_last),
-    ] = None,
+    out: Annotated[Path | None, written_last("--out", "Where the solution is written (JSON).")] = None,
     check: Annotated[
         Path | None,
         typer.Option(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -20,13 +20,17 @@ def _free(out: Path | None) -> Path | None:
     return out
 
 
-def written_last(param: typer.CallbackParam, out: Path | None) -> Path | None:
-    """Callback of a file that is written at the end: before anything is computed, it can be."""
+def _placed(param: typer.CallbackParam, out: Path | None) -> Path | None:
     from network.files.json_input import check_place
 
     if out is not None:
         check_place(out, param.opts[0])
     return out
+
+
+def written_last(option: str, text: str) -> Any:  # noqa: ANN401
+    """The option of a file that is written at the end: before anything is computed, it can be."""
+    return typer.Option(option, help=text, callback=_placed)
 
 
 ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario, or a scenario file (.toml).")]

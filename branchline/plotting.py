@@ -34,10 +34,7 @@ def plot(
     ] = None,
     lang: Annotated[str, typer.Option("--lang", help="en or ja.")] = "en",
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", help="File to write; default <kind>[-train][-station].<format>.", callback=written_last
-        ),
+        Path | None, written_last("--out", "File to write; default <kind>[-train][-station].<format>.")
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -49,17 +49,10 @@ def explore(
     states: Annotated[int, typer.Option("--states", min=1, help="Stop after about so many states.")] = (
         200_000_000
     ),
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", help="Where the certificate is written.", callback=written_last),
-    ] = None,
+    out: Annotated[Path | None, written_last("--out", "Where the certificate is written.")] = None,
     chart: Annotated[
         Path | None,
-        typer.Option(
-            "--chart",
-            help="File for the way to a wrong state, as a sequence chart (Mermaid).",
-            callback=written_last,
-        ),
+        written_last("--chart", "File for the way to a wrong state, as a sequence chart (Mermaid)."),
     ] = None,
     drill: Annotated[
         Path | None,
@@ -215,9 +208,7 @@ def recount(
 
 @verify.command()
 def promela(
-    out: Annotated[
-        Path, typer.Option("--out", help="Where the model is written.", callback=written_last)
-    ] = Path("line.pml"),
+    out: Annotated[Path, written_last("--out", "Where the model is written.")] = Path("line.pml"),
     as_json: Json = False,
 ) -> None:
     """Write the line without troubles as a model in Promela, for SPIN: spin -a; cc -DNOREDUCE -DSAFETY; pan -E."""
