@@ -4,7 +4,9 @@ heard of, and what people should hear of. It is made from the journal alone, ent
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 from console.crossings_seen import CrossingsSeen
@@ -57,6 +59,7 @@ class _Heard:
     station: str = ""
     heard_s: float | None = None
     late_s: float | None = None
+    due_s: float = inf  # when it is to leave from there or, under way, to come to its next stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,16 +110,15 @@ class LineSeen:
             for section in self._line.sections
         )
 
-    @property
-    def trains(self) -> tuple[TrainShown, ...]:
-        """Every unit as it was last heard of."""
+    def trains(self, now_s: float) -> tuple[TrainShown, ...]:
+        """Every unit as it was last heard of; it is late by as much at least as what it is to do next is overdue."""
         return tuple(
             TrainShown(
                 unit=unit,
                 train=heard.train,
                 station=heard.station,
                 heard_s=heard.heard_s,
-                late_s=heard.late_s,
+                late_s=max(heard.late_s or 0.0, now_s - heard.due_s) if now_s > heard.due_s else heard.late_s,
                 sections=self._held.get(unit, ()),
             )
             for unit, heard in self._units.items()
@@ -215,6 +217,7 @@ class LineSeen:
         match event:
             case notes.MissionBegun(train=train) if train != heard.train:
                 heard.train, heard.late_s = train, None  # the one before was late, not this one
+                heard.due_s = _due_s(call.departure_s for call in self._calls(train)[:1])
             case notes.Arrived(station=station):
                 self._called(t_s, heard, station, leaves=False)
             case notes.Departs(station=station):
@@ -222,16 +225,26 @@ class LineSeen:
             case _:
                 pass
 
+    def _calls(self, number: str) -> Sequence[Call]:
+        train = self._timetable.trains.get(number)
+        return () if train is None else train.calls
+
     def _called(self, t_s: float, heard: _Heard, station: str, *, leaves: bool) -> None:
         """A train has arrived or leaves: how late that is, and a point of the graph."""
-        heard.station = station
-        train = self._timetable.trains.get(heard.train)
-        if train is None or station not in self._line.stations:
+        heard.station, heard.due_s = station, inf
+        calls = self._calls(heard.train)
+        if not calls or station not in self._line.stations:
             return
-        call = next((call for call in train.calls if call.station_id == station), None)
-        planned_s = None if call is None else _planned_s(call, leaves=leaves)
+        at = next((i for i, call in enumerate(calls) if call.station_id == station), len(calls))
+        here, onward = calls[at : at + 1], calls[at + 1 :]
+        planned_s = _planned_s(here[0], leaves=leaves) if here else None
         if planned_s is not None:
             heard.late_s = t_s - planned_s
+        heard.due_s = (
+            _due_s(call.first_s for call in onward if call.stops)
+            if leaves
+            else _due_s(call.departure_s for call in here)
+        )
         at_m = self._line.stations[station].position_m
         self.graph.append(GraphPoint(train=heard.train, time_s=t_s, at_m=at_m))
 
@@ -240,6 +253,10 @@ def _refuses_person(entry: events.JournalEntry) -> bool:
     """Whether the manager has refused what somebody entered."""
     event = entry.event
     return entry.who == events.MANAGER and isinstance(event, said.Refused) and ": " in event.why
+
+
+def _due_s(times: Iterable[int | None]) -> float:
+    return next((float(time) for time in times if time is not None), inf)
 
 
 def _planned_s(call: Call, *, leaves: bool) -> float | None:

@@ -139,7 +139,7 @@ def _train(one: _SetCharge, duty: Duty, following: Duty | None) -> Iterator[Find
                 Severity.IMPOSSIBLE,
                 (duty.train.number,),
                 hops[at].from_place,
-                first_given(target.departure_s, duty.enter_s),
+                first_given(target.departure_s, target.arrival_s, duty.enter_s),
                 text,
                 "more charging before that",
             )
@@ -179,7 +179,7 @@ def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> 
     if not one.rules.waits or has_j >= needed_j:
         return None
     place = hops[at].from_place
-    departs_s = target.departure_s if target.departure_s is not None else duty.enter_s
+    departs_s = first_given(target.departure_s, target.arrival_s, duty.enter_s)
     name = line.stations[place].name if place in line.stations else place
     where = f"to {reach.place}, where it can charge next" if reach.place else "to where its day ends"
     text = (
