@@ -174,7 +174,8 @@ def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> 
     """Whether the set may leave a stop; it waits there for what it lacks, if there is a charger."""
     line, target = one.setup.believed_line, duty.mission.targets[at]
     reach = to_next_charge(hops[at:], ())
-    needed_j = one.rules.needed_j(reach, commits=commits_at(line, duty.mission, at))
+    commits = commits_at(line, duty.mission, at)
+    needed_j = one.rules.needed_j(reach, commits=commits)
     has_j = float(available_j(one.battery))
     if not one.rules.waits or has_j >= needed_j:
         return None
@@ -191,6 +192,8 @@ def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> 
     trains = (duty.train.number,)
     if waits_s is None:
         remedy = _remedy(one, hops[at : at + reach.hops])
+        if commits and has_j >= needed_j - one.rules.reserve_j:
+            remedy += f"; a smaller reserve_share, as {one.rules.reserve_j / J_PER_KWH:.1f} kWh of that are kept back"
         return Finding(FindingKind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
     text = f"{text}: it charges there for {length_of_time(waits_s)} longer"
     severity = severity_of(waits_s, target.departure_s)
