@@ -156,6 +156,12 @@ class OnboardUnit:
         place = self._at_crossing(sensed.place, elapsed_s)
         if place.crossing != self.state.place.crossing:
             self._take(records.Looked(), place, now_s)
+        if place.crossing:  # it is this that it has stopped for, not the end of its way beyond
+            why = f"level crossing {place.crossing} to be proved closed"
+            self._notes = [
+                msgspec.structs.replace(note, why=why) if isinstance(note, notes.StoppedShort) else note
+                for note in self._notes
+            ]
         for letter in self._crossings.letters:
             data = self._endpoint.seal(letter.crossing_id, letter.message, now_s, letter.correlation)
             self._telegrams.append(Telegram(letter.crossing_id, data))
