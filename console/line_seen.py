@@ -4,7 +4,6 @@ heard of, and what people should hear of. It is made from the journal alone, ent
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Final
@@ -20,7 +19,6 @@ from console.protocol import (
     TrainForecast,
     TrainShown,
 )
-from network.timetable import Call
 from onboard import notes
 from onboard.crossing_notes import CrossingProofLost
 from radio.noted import TelegramDropped, TookEffect
@@ -217,7 +215,8 @@ class LineSeen:
         match event:
             case notes.MissionBegun(train=train) if train != heard.train:
                 heard.train, heard.late_s = train, None  # the one before was late, not this one
-                heard.due_s = _due_s(call.departure_s for call in self._calls(train)[:1])
+                known = self._timetable.trains.get(train)
+                heard.due_s = inf if known is None else known.calls[0].last_s
             case notes.Arrived(station=station):
                 self._called(t_s, heard, station, leaves=False)
             case notes.Departs(station=station):
@@ -225,26 +224,18 @@ class LineSeen:
             case _:
                 pass
 
-    def _calls(self, number: str) -> Sequence[Call]:
-        train = self._timetable.trains.get(number)
-        return () if train is None else train.calls
-
     def _called(self, t_s: float, heard: _Heard, station: str, *, leaves: bool) -> None:
-        """A train has arrived or leaves: how late that is, and a point of the graph."""
+        """A train has arrived or leaves: how late that is, what is due next, and a point of the graph."""
         heard.station, heard.due_s = station, inf
-        calls = self._calls(heard.train)
-        if not calls or station not in self._line.stations:
+        train = self._timetable.trains.get(heard.train)
+        if train is None or station not in self._line.stations:
             return
-        at = next((i for i, call in enumerate(calls) if call.station_id == station), len(calls))
-        here, onward = calls[at : at + 1], calls[at + 1 :]
-        planned_s = _planned_s(here[0], leaves=leaves) if here else None
-        if planned_s is not None:
-            heard.late_s = t_s - planned_s
-        heard.due_s = (
-            _due_s(call.first_s for call in onward if call.stops)
-            if leaves
-            else _due_s(call.departure_s for call in here)
-        )
+        at = next((i for i, call in enumerate(train.calls) if call.station_id == station), len(train.calls))
+        for call in train.calls[at : at + 1]:
+            heard.late_s = t_s - (call.last_s if leaves else call.first_s)
+            stops = (onward.first_s for onward in train.calls[at + 1 :] if onward.stops)
+            due_s = next(stops, None) if leaves else call.departure_s
+            heard.due_s = inf if due_s is None else due_s
         at_m = self._line.stations[station].position_m
         self.graph.append(GraphPoint(train=heard.train, time_s=t_s, at_m=at_m))
 
@@ -253,12 +244,3 @@ def _refuses_person(entry: events.JournalEntry) -> bool:
     """Whether the manager has refused what somebody entered."""
     event = entry.event
     return entry.who == events.MANAGER and isinstance(event, said.Refused) and ": " in event.why
-
-
-def _due_s(times: Iterable[int | None]) -> float:
-    return next((float(time) for time in times if time is not None), inf)
-
-
-def _planned_s(call: Call, *, leaves: bool) -> float | None:
-    times = (call.departure_s, call.arrival_s) if leaves else (call.arrival_s, call.departure_s)
-    return next((float(time) for time in times if time is not None), None)
