@@ -215,8 +215,11 @@ class LineSeen:
         match event:
             case notes.MissionBegun(train=train) if train != heard.train:
                 heard.train, heard.late_s = train, None  # the one before was late, not this one
-                known = self._timetable.trains.get(train)
-                heard.due_s = inf if known is None else known.calls[0].last_s
+                calls = self._timetable.trains[train].calls if train in self._timetable.trains else ()
+                here = (
+                    call.last_s for call in calls if call.station_id == heard.station
+                )  # turned short there
+                heard.due_s = next(here, calls[0].last_s if calls else inf)
             case notes.Arrived(station=station):
                 self._called(t_s, heard, station, leaves=False)
             case notes.Departs(station=station):

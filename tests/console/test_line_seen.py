@@ -83,6 +83,16 @@ def test_a_train_is_as_late_as_what_it_is_to_do_next_is_overdue() -> None:
     assert late_s(120.0, Arrived(station="B", error_m=0.0), 9000.0) == [0.0]  # it has nothing more to do
 
 
+def test_a_set_turned_short_is_late_from_its_departure_there() -> None:
+    """328M is to leave Karasuyama at 08:26 and Ogane, where the set is, at 08:47."""
+    line = LineSeen(load_scenario("karasuyama_weekday").setup)
+    for event in (MissionBegun(train="325M", direction="down"), Arrived(station="OGN", error_m=0.0)):
+        line.see(JournalEntry(28080.0, "V4", event))
+    line.see(JournalEntry(28200.0, "V4", MissionBegun(train="328M", direction="up")))
+    seen = [train.late_s for at_s in (31000.0, 31680.0) for train in line.trains(at_s) if train.unit == "V4"]
+    assert seen == [None, 60.0]
+
+
 def test_the_forecast_knows_where_a_train_began_that_signed_on_where_it_stands() -> None:
     """T1 stands at A from the morning, has its route at 09:59:55 and leaves to time: it is due at B as printed."""
     setup = load_scenario("rtri_test_line").setup
