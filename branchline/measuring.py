@@ -115,9 +115,8 @@ def _print_bench(figures: dict[str, Any]) -> None:
 def _print_table(rows: list[dict[str, object]]) -> None:
     """The rows under their keys; the first column is what a row is of."""
     heads = ("", *(_HEADS.get(key, key.replace("_", " ")) for key in list(rows[0])[1:]))
-    for line in (heads, *(tuple(_short(value) for value in row.values()) for row in rows)):
+    for line in (
+        heads,
+        *(tuple(v if isinstance(v, str) else f"{v:g}" for v in row.values()) for row in rows),
+    ):
         sys.stdout.write(f"{line[0]:32}" + "".join(f"{cell:>14}" for cell in line[1:]) + "\n")
-
-
-def _short(value: object) -> str:
-    return value if isinstance(value, str) else f"{value:g}"

@@ -5,6 +5,7 @@ heard of, and what people should hear of. It is made from the journal alone, ent
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 from console.crossings_seen import CrossingsSeen
@@ -18,7 +19,6 @@ from console.protocol import (
     TrainForecast,
     TrainShown,
 )
-from network.timetable import Call
 from onboard import notes
 from onboard.crossing_notes import CrossingProofLost
 from radio.noted import TelegramDropped, TookEffect
@@ -57,6 +57,7 @@ class _Heard:
     station: str = ""
     heard_s: float | None = None
     late_s: float | None = None
+    due_s: float = inf  # when it is to leave from there or, under way, to come to its next stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,16 +108,15 @@ class LineSeen:
             for section in self._line.sections
         )
 
-    @property
-    def trains(self) -> tuple[TrainShown, ...]:
-        """Every unit as it was last heard of."""
+    def trains(self, now_s: float) -> tuple[TrainShown, ...]:
+        """Every unit as it was last heard of; it is late by as much at least as what it is to do next is overdue."""
         return tuple(
             TrainShown(
                 unit=unit,
                 train=heard.train,
                 station=heard.station,
                 heard_s=heard.heard_s,
-                late_s=heard.late_s,
+                late_s=max(heard.late_s or 0.0, now_s - heard.due_s) if now_s > heard.due_s else heard.late_s,
                 sections=self._held.get(unit, ()),
             )
             for unit, heard in self._units.items()
@@ -215,6 +215,11 @@ class LineSeen:
         match event:
             case notes.MissionBegun(train=train) if train != heard.train:
                 heard.train, heard.late_s = train, None  # the one before was late, not this one
+                calls = self._timetable.trains[train].calls if train in self._timetable.trains else ()
+                here = (
+                    call.last_s for call in calls if call.station_id == heard.station
+                )  # turned short there
+                heard.due_s = next(here, calls[0].last_s if calls else inf)
             case notes.Arrived(station=station):
                 self._called(t_s, heard, station, leaves=False)
             case notes.Departs(station=station):
@@ -223,15 +228,17 @@ class LineSeen:
                 pass
 
     def _called(self, t_s: float, heard: _Heard, station: str, *, leaves: bool) -> None:
-        """A train has arrived or leaves: how late that is, and a point of the graph."""
-        heard.station = station
+        """A train has arrived or leaves: how late that is, what is due next, and a point of the graph."""
+        heard.station, heard.due_s = station, inf
         train = self._timetable.trains.get(heard.train)
         if train is None or station not in self._line.stations:
             return
-        call = next((call for call in train.calls if call.station_id == station), None)
-        planned_s = None if call is None else _planned_s(call, leaves=leaves)
-        if planned_s is not None:
-            heard.late_s = t_s - planned_s
+        at = next((i for i, call in enumerate(train.calls) if call.station_id == station), len(train.calls))
+        for call in train.calls[at : at + 1]:
+            heard.late_s = t_s - (call.last_s if leaves else call.first_s)
+            stops = (onward.first_s for onward in train.calls[at + 1 :] if onward.stops)
+            due_s = next(stops, None) if leaves else call.departure_s
+            heard.due_s = inf if due_s is None else due_s
         at_m = self._line.stations[station].position_m
         self.graph.append(GraphPoint(train=heard.train, time_s=t_s, at_m=at_m))
 
@@ -240,8 +247,3 @@ def _refuses_person(entry: events.JournalEntry) -> bool:
     """Whether the manager has refused what somebody entered."""
     event = entry.event
     return entry.who == events.MANAGER and isinstance(event, said.Refused) and ": " in event.why
-
-
-def _planned_s(call: Call, *, leaves: bool) -> float | None:
-    times = (call.departure_s, call.arrival_s) if leaves else (call.arrival_s, call.departure_s)
-    return next((float(time) for time in times if time is not None), None)

@@ -90,7 +90,7 @@ class Replay:
             defined=line.defined,
             manager_on=line.manager_on,
             sections=line.sections,
-            trains=tuple(self._true(train, now_s) for train in line.trains),
+            trains=tuple(self._true(train, now_s) for train in line.trains(now_s)),
             crossings=line.crossings.truth(),
             bids=line.bids(now_s),
             rules=self._rules(now_s),

@@ -139,7 +139,7 @@ def moment_of(
         defined=line.defined,
         manager_on=line.manager_on,
         sections=line.sections,
-        trains=line.trains,
+        trains=line.trains(session.now_s),
         crossings=line.crossings.known(session.now_s),
         bids=line.bids(session.now_s),
         roles=roles_taken(session),

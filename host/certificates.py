@@ -14,6 +14,7 @@ All of them can be read by their owner alone. X.509 as in RFC 5280; keys are on 
 from __future__ import annotations
 
 import ipaddress
+import re
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -44,6 +45,9 @@ _AUTHORITY_NAME: Final = "branchline authority"  # a party's id has no blank
 _SIMULATOR_NAME: Final = "branchline simulator"
 _SLOW_CLOCK: Final = timedelta(minutes=5)  # a machine whose clock is behind by less takes it too
 _OTHERS_BITS: Final = 0o077
+_NAME: Final = re.compile(
+    r"([0-9A-Za-z-]{1,63}\.)*(?![0-9]+$)[0-9A-Za-z-]{1,63}"
+)  # RFC 1123; 10.0.0.256 is none
 
 
 def make_certificates(
@@ -157,12 +161,10 @@ def _general_name(address: str) -> x509.GeneralName:
         return x509.IPAddress(ipaddress.ip_address(address))
     except ValueError:
         pass
-    try:
-        return x509.DNSName(address)
-    except ValueError:
-        raise InputError(
-            "command line", "--address", address, "a number or a name in ASCII letters"
-        ) from None
+    if _NAME.fullmatch(address) is None:
+        expected = "a number or a name: ASCII letters, digits and hyphens between dots"
+        raise InputError("command line", "--address", address, expected)
+    return x509.DNSName(address)
 
 
 def _certificate(file: Path) -> x509.Certificate:

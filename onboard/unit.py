@@ -156,6 +156,11 @@ class OnboardUnit:
         place = self._at_crossing(sensed.place, elapsed_s)
         if place.crossing != self.state.place.crossing:
             self._take(records.Looked(), place, now_s)
+        if place.crossing:  # it is this that it has stopped for, not the end of its way beyond
+            why = f"level crossing {place.crossing} to be proved closed"
+            for at, note in enumerate(self._notes):
+                if isinstance(note, notes.StoppedShort):
+                    self._notes[at] = msgspec.structs.replace(note, why=why)
         for letter in self._crossings.letters:
             data = self._endpoint.seal(letter.crossing_id, letter.message, now_s, letter.correlation)
             self._telegrams.append(Telegram(letter.crossing_id, data))

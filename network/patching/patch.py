@@ -43,7 +43,7 @@ from network.patching.track_removal import without_loop, without_track
 from network.raw import is_list, is_table
 
 KEY: Final = "patch.line"
-_TABLES: Final = ("sections", "points", "joints", "stations", "tags", "beacons", "markers", "crossings")
+_TABLES: Final = tuple(name for name in LineFile.model_fields if name not in ("line", "alignments"))
 # Gradients are missing because they always cover the whole alignment: they are set, not added to.
 _ON_ALIGNMENT: Final = ("limits", "curves", "coverage", "second_coverage", "tunnels", "obstructed")
 

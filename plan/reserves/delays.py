@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from plan.reserves.problem import PlanEvent, ReserveProblem, ReserveStop, ReserveTrain
+from plan.reserves.problem import PlanEvent, ReserveProblem, ReserveTrain
 from plan.reserves.sampled import SampledDay
 from simulation.late_day import DrawnStay
 
@@ -107,7 +107,9 @@ class SampledDelays:
         )
         self._order: Final = tuple(order.static_order())
         self._counted: Final = [
-            at[event] for event in self._events if not event.departs and _stop(problem, event).counted
+            at[event]
+            for event in self._events
+            if not event.departs and problem.trains[event.number].stops[event.stop].counted
         ]
 
     def mean_s(self, times: PlannedTimes) -> float:
@@ -125,7 +127,3 @@ class SampledDelays:
                 so[after] = np.maximum(so[after], so[before] + self._least[rule])
         late: NDArray[np.float64] = so - planned[:, None]
         return late
-
-
-def _stop(problem: ReserveProblem, event: PlanEvent) -> ReserveStop:
-    return problem.trains[event.number].stops[event.stop]

@@ -77,7 +77,9 @@ def _page(found: Comparisons) -> str:
         )
     for index, side in enumerate(others):
         for part in parts_against(found, index):
-            title = part.title if len(others) == 1 else f"{side.label}: {_lowered(part.title)}"
+            title = (
+                part.title if len(others) == 1 else f"{side.label}: {part.title[0].lower()}{part.title[1:]}"
+            )
             parts.append(PagePart(title, part.caption, part.figures, part.grids, part.folded, part.notes))
     page = rendered(
         "compare.html.j2",
@@ -86,10 +88,6 @@ def _page(found: Comparisons) -> str:
         parts=parts,
     )
     return page.replace(FACE, japanese_face(page), 1)
-
-
-def _lowered(title: str) -> str:
-    return title[0].lower() + title[1:]
 
 
 def _write_tables(found: Comparisons, folder: Path) -> None:

@@ -139,7 +139,7 @@ def _train(one: _SetCharge, duty: Duty, following: Duty | None) -> Iterator[Find
                 Severity.IMPOSSIBLE,
                 (duty.train.number,),
                 hops[at].from_place,
-                first_given(target.departure_s, duty.enter_s),
+                first_given(target.departure_s, target.arrival_s, duty.enter_s),
                 text,
                 "more charging before that",
             )
@@ -174,12 +174,13 @@ def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> 
     """Whether the set may leave a stop; it waits there for what it lacks, if there is a charger."""
     line, target = one.setup.believed_line, duty.mission.targets[at]
     reach = to_next_charge(hops[at:], ())
-    needed_j = one.rules.needed_j(reach, commits=commits_at(line, duty.mission, at))
+    commits = commits_at(line, duty.mission, at)
+    needed_j = one.rules.needed_j(reach, commits=commits)
     has_j = float(available_j(one.battery))
     if not one.rules.waits or has_j >= needed_j:
         return None
     place = hops[at].from_place
-    departs_s = target.departure_s if target.departure_s is not None else duty.enter_s
+    departs_s = first_given(target.departure_s, target.arrival_s, duty.enter_s)
     name = line.stations[place].name if place in line.stations else place
     where = f"to {reach.place}, where it can charge next" if reach.place else "to where its day ends"
     text = (
@@ -191,6 +192,8 @@ def _looks(one: _SetCharge, duty: Duty, at: int, hops: Sequence[BatteryHop]) -> 
     trains = (duty.train.number,)
     if waits_s is None:
         remedy = _remedy(one, hops[at : at + reach.hops])
+        if commits and has_j >= needed_j - one.rules.reserve_j:
+            remedy += f"; a smaller reserve_share, as {one.rules.reserve_j / J_PER_KWH:.1f} kWh of that are kept back"
         return Finding(FindingKind.CHARGE, Severity.IMPOSSIBLE, trains, place, departs_s, text, remedy)
     text = f"{text}: it charges there for {length_of_time(waits_s)} longer"
     severity = severity_of(waits_s, target.departure_s)

@@ -180,7 +180,10 @@ def _client(address: str) -> Client:
         return Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(
-            "command line", OPTION, address, f"a scheduler that answers ({_short(error)})"
+            "command line",
+            OPTION,
+            address,
+            f"a scheduler that answers ({' '.join(str(error).split())[:200]})",
         ) from error
 
 
@@ -188,7 +191,3 @@ def _close(client: Client) -> None:
     """Whether the scheduler is still there or not."""
     with suppress(Exception):
         client.close(timeout=1)
-
-
-def _short(error: Exception) -> str:
-    return " ".join(str(error).split())[:200]

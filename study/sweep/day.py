@@ -26,7 +26,7 @@ from simulation.journal import Journal
 from simulation.judge.checkers import Checker
 from simulation.result import Ending, RunResult
 from simulation.setup import Setup
-from study.measures.day_figures import EVENTS, DayFigures, day_figures
+from study.measures.day_figures import EVENTS, day_figures
 from study.outcome import Outcome, outcome_of
 from study.runner.crash import exception_line
 from study.runner.outcome import broken_rules, unfinished, waiting_said
@@ -155,12 +155,8 @@ def record_of(spec: DaySpec, index: int, result: RunResult, setup: Setup) -> Day
     figures = day_figures(result, setup)
     outcome, why = outcome_of_day(result)
     if outcome is DayOutcome.NOT_ARRIVED and figures.deadlock:
-        outcome, why = DayOutcome.DEADLOCK, f"{_ring(figures)}; {why}"
+        outcome, why = DayOutcome.DEADLOCK, f"{', '.join(figures.deadlock)} wait for one another; {why}"
     return DayRecord(spec, index, outcome, why, figures, result.digest, result.motion_digest)
-
-
-def _ring(figures: DayFigures) -> str:
-    return f"{', '.join(figures.deadlock)} wait for one another"
 
 
 def outcome_of_day(result: RunResult) -> tuple[DayOutcome, str]:

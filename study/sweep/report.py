@@ -128,7 +128,9 @@ def _figure_parts(state: SweepProgress, rows: Sequence[PointRow], out: Path) -> 
         if found:
             grids.append(_effects_grid(found, figure))
         caption = "" if parts else _HOW
-        parts.append(PagePart(_title(figure), caption, tuple(svgs), tuple(grids)))
+        parts.append(
+            PagePart(figure.label[:1].upper() + figure.label[1:], caption, tuple(svgs), tuple(grids))
+        )
     return parts
 
 
@@ -244,10 +246,6 @@ def _between(found: FigureEstimate, digits: int | None = None) -> str:
     if digits is None:
         return f"{_text(found.low)} to {_text(found.high)}"
     return f"{found.low:.{digits}f} to {found.high:.{digits}f}"
-
-
-def _title(figure: DayFigure) -> str:
-    return figure.label[:1].upper() + figure.label[1:]
 
 
 def _write(path: Path, text: str) -> None:

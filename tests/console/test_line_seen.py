@@ -62,12 +62,35 @@ def test_how_late_a_train_was_is_not_said_of_the_next_of_its_set() -> None:
 
     def late_s(event: Event) -> list[float | None]:
         line.see(JournalEntry(10 * 3600.0 + 420.0, "K1", event))
-        return [train.late_s for train in line.trains]
+        return [train.late_s for train in line.trains(10 * 3600.0 + 420.0)]
 
-    assert late_s(MissionBegun(train="T1", direction="down")) == [None]
+    assert late_s(MissionBegun(train="T1", direction="down")) == [420.0]  # it is to leave at 10:00:00
     assert late_s(Arrived(station="B", error_m=0.0)) == [300.0]
     assert late_s(MissionBegun(train="T1", direction="down")) == [300.0]  # its unit has begun again
     assert late_s(MissionBegun(train="T3", direction="down")) == [None]
+
+
+def test_a_train_is_as_late_as_what_it_is_to_do_next_is_overdue() -> None:
+    """T1 is to leave A at 10:00:00 and to come to B at 10:02:00; what it did last was to time."""
+    line = LineSeen(load_scenario("rtri_test_line").setup)
+
+    def late_s(t_s: float, event: Event, *seen_at_s: float) -> list[float | None]:
+        line.see(JournalEntry(36000.0 + t_s, "K1", event))
+        return [train.late_s for at_s in seen_at_s for train in line.trains(36000.0 + at_s)]
+
+    assert late_s(-60.0, MissionBegun(train="T1", direction="down"), -1.0, 600.0) == [None, 600.0]
+    assert late_s(0.0, Departs(station="A"), 60.0, 121.0, 420.0) == [0.0, 1.0, 300.0]
+    assert late_s(120.0, Arrived(station="B", error_m=0.0), 9000.0) == [0.0]  # it has nothing more to do
+
+
+def test_a_set_turned_short_is_late_from_its_departure_there() -> None:
+    """328M is to leave Karasuyama at 08:26 and Ogane, where the set is, at 08:47."""
+    line = LineSeen(load_scenario("karasuyama_weekday").setup)
+    for event in (MissionBegun(train="325M", direction="down"), Arrived(station="OGN", error_m=0.0)):
+        line.see(JournalEntry(28080.0, "V4", event))
+    line.see(JournalEntry(28200.0, "V4", MissionBegun(train="328M", direction="up")))
+    seen = [train.late_s for at_s in (31000.0, 31680.0) for train in line.trains(at_s) if train.unit == "V4"]
+    assert seen == [None, 60.0]
 
 
 def test_the_forecast_knows_where_a_train_began_that_signed_on_where_it_stands() -> None:

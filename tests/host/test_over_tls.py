@@ -296,7 +296,7 @@ def test_all_that_is_made_is_its_owners_alone(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["made"]
     for name, address, expected in (
         ("x" * 65, ADDRESS, "at most 64 characters"),
-        ("t", "日", "ASCII letters"),
+        *(("t", address, "ASCII letters") for address in ("日", "nowhere..x", "10.0.0.256", "a b")),
     ):
         with pytest.raises(InputError, match=expected):
             make_certificates(tmp_path / "other", [name], address)

@@ -27,7 +27,10 @@ BOTH = (PositionSensor.TAGS, PositionSensor.LIDAR)
 
 def with_markers(setup: Setup) -> Line:
     """A group each kilometre and one before each stop, for the trains of the first stock's first run."""
-    path, targets = (mission := drawn_up(setup, setup.line)[_first(setup)][0].mission).path, mission.targets
+    path, targets = (
+        (mission := drawn_up(setup, setup.line)[setup.timetable.diagrams[0].stock_id][0].mission).path,
+        mission.targets,
+    )
     places_m = [*np.arange(targets[0].mark_m + 400.0, path.length_m - 100.0, EVERY_M)]
     places_m += [target.mark_m - BEFORE_MARK_M for target in targets[1:]]
     apart = [m for k, m in enumerate(sorted(places_m)) if k == 0 or m - sorted(places_m)[k - 1] > 50.0]
@@ -39,10 +42,6 @@ def with_markers(setup: Setup) -> Line:
             9000 + number, pattern, piece_id, kilometrage_m, (path.direction,)
         )
     return replace(setup.line, markers=groups)
-
-
-def _first(setup: Setup) -> str:
-    return setup.timetable.diagrams[0].stock_id
 
 
 @pytest.fixture(scope="module")

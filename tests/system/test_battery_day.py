@@ -46,15 +46,11 @@ def day() -> FinishedRun:
     return run("karasuyama_battery")
 
 
-def legs(train: str) -> pl.DataFrame:
-    return day().tables.energy_legs.filter(pl.col("train") == train)
-
-
 def by_hand(of: tuple[str, str, str] = FIRST) -> list[tuple[str, float]]:
     """What a set has taken from its battery (kWh at its terminals) at each stop from Hoshakuji and back there."""
     took, found = 0.0, [("HSK", 0.0)]
     for train in of[1:]:
-        for leg in legs(train).iter_rows(named=True):
+        for leg in day().tables.energy_legs.filter(pl.col("train") == train).iter_rows(named=True):
             if leg["from_station"].startswith("HSK.") or leg["to_station"].startswith("HSK."):
                 continue
             took += leg["net_kwh"]

@@ -230,7 +230,11 @@ def check_contradicted(step_: Step) -> None:
             continue
         assert step_.after.unit(unit_id).standing is UnitStanding.DISPUTED
         assert section_id in step_.after.contested(holder)
-        told = [s.message.section_ids for s in step_.sends if s.destination == holder and _restricts(s)]
+        told = [
+            s.message.section_ids
+            for s in step_.sends
+            if s.destination == holder and isinstance(s.message, Contested)
+        ]
         assert told or holder in barred or section_id in step_.before.contested(holder)
 
 
@@ -238,10 +242,6 @@ def _weighed(step_: Step, unit_id: str, claimed: tuple[str, ...]) -> bool:
     """Not the wish of a unit never on the line to enter a portal."""
     stranger = step_.before.restoring and unit_id not in step_.before.ledger
     return not (stranger and set(claimed) <= step_.before.plan.portals)
-
-
-def _restricts(send: Send) -> bool:
-    return isinstance(send.message, Contested)
 
 
 def check_told_again(step_: Step) -> None:

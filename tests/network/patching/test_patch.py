@@ -92,7 +92,13 @@ def test_add_appends_and_sorts_by_kilometrage() -> None:
         section = "A.1"
         km = 0.3
         purpose = "arrival"
+        [[add.chargers]]
+        station = "A"
+        power_kw = 300.0
+        voltage_v = 1500.0
+        origin = "assumed: a what-if"
     """)
+    assert line.chargers["A"].power_w == 300e3
     main = line.alignments["main"]
     assert main.limits[0] == SpeedLimit(100.0, 200.0, 18 / 3.6, (Direction.UP,))
     assert len(main.limits) == 3
@@ -182,8 +188,8 @@ def test_a_loop_taken_out_is_its_further_tracks_taken_out() -> None:
         ),
         (
             "add.curbs = [{}]",
-            "what_if.toml: patch.line.add is 'curbs'; expected one of curves, crossings, tunnels, markers, beacons, "
-            "sections, points, joints, stations, tags, limits, coverage, second_coverage, obstructed",
+            "what_if.toml: patch.line.add is 'curbs'; expected one of curves, chargers, crossings, tunnels, markers, "
+            "sections, points, joints, stations, tags, beacons, limits, coverage, second_coverage, obstructed",
         ),
         (
             'add.limits = [{ alignment = "branch", from_km = 0.0, to_km = 0.1, speed_kmh = 5 }]',

@@ -92,7 +92,7 @@ def test_a_first_run_without_errors_makes_the_design_again(line: Line) -> None:
     path, design = way(line, Direction.UP), design_map(line)
     front_m = np.arange(60.0, path.length_m, 1.4)
     heading_rad = np.interp(
-        front_m, np.arange(math_rows(path)), over_bogies(headings_rad(design, path), MOUNTING)
+        front_m, np.arange(int(np.ceil(path.length_m)) + 1), over_bogies(headings_rad(design, path), MOUNTING)
     )
     counted_m = 7.0 + front_m * 1.004  # worn wheels: places in between are shared out
     anchors = tuple((7.0 + at * 1.004, at) for at in (60.0, 5_000.0, path.length_m - 20.0))
@@ -103,10 +103,6 @@ def test_a_first_run_without_errors_makes_the_design_again(line: Line) -> None:
     assert float(np.sqrt(np.mean((laid - expected)[known] ** 2))) < 1e-5
     with pytest.raises(ValueError, match="two places"):
         measured_map(FirstRunRecord(counted_m, heading_rad, anchors[:1]), path, line, MOUNTING, 0.5, "")
-
-
-def math_rows(path: Way) -> int:
-    return int(np.ceil(path.length_m)) + 1
 
 
 def test_a_file_gives_the_map_back(line: Line, tmp_path: Path) -> None:

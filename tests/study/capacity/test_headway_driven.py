@@ -201,11 +201,8 @@ def drives_of(name: str) -> Generator[tuple[HeadwayDrives, tuple[HeadwayCase, ..
 def row(
     cases: Iterable[HeadwayCase], station_id: str, kind: HeadwayKind, first: str, second: str
 ) -> HeadwayCase:
-    return next(case for case in cases if key_of(case) == (station_id, kind, first, second))
-
-
-def key_of(case: HeadwayCase) -> tuple[str, HeadwayKind, str, str]:
-    return case.station_id, case.headway.kind, case.first, case.second
+    asked = (station_id, kind, first, second)
+    return next(c for c in cases if (c.station_id, c.headway.kind, c.first, c.second) == asked)
 
 
 @pytest.fixture(scope="module")

@@ -114,3 +114,22 @@ def test_what_helps_a_set_that_is_full_is_not_more_charging() -> None:
         assert named is not None, remedy
         spared_kwh.append(float(named[1]))
     assert spared_kwh[0] / spared_kwh[1] == pytest.approx((66.0 - 5.0) / (30.0 - 5.0), rel=0.01)
+
+
+def test_a_set_that_lacks_its_way_beyond_the_line_is_told_with_the_minute_of_its_last_call() -> None:
+    """322M leaves Karasuyama at 05:40 and Hoshakuji, where its calls end, for the main line."""
+    tables = {"battery": {"beyond": {"consumption_kwh_per_km": 3.0, "charge_min": 0.0}}}
+    setup = load_scenario("karasuyama_battery", tables=tables).setup
+    (lacks,) = (f for f in feasibility(setup).findings if f.kind is FindingKind.CHARGE and "322M" in f.trains)
+    assert (lacks.place, lacks.time_s) == ("HSK", setup.timetable.trains["322M"].calls[-1].arrival_s)
+
+
+@pytest.mark.parametrize(("share", "named"), [(0.01, False), (0.05, True)])
+def test_a_set_that_would_come_to_its_charger_but_for_its_reserve_is_told_so(
+    share: float, named: bool
+) -> None:
+    """321M comes in by the portal at Hoshakuji, whose charger is one run away: waiting there gives it nothing."""
+    tables = {"battery": {"start_of": {"V2": share}}}
+    found = feasibility(load_scenario("karasuyama_battery", tables=tables).setup).findings
+    (lacks,) = (f for f in found if f.kind is FindingKind.CHARGE)
+    assert (lacks.place, "a smaller reserve_share" in lacks.remedy) == ("HSK.MD", named)
