@@ -8,7 +8,19 @@ from onboard.authority.records import RequestKind, SendCommand, SendRequest
 from onboard.duty import entering
 from onboard.duty.machine import step
 from onboard.duty.records import DutyPhase, Event, Looked, MarkRelation, PointsSeen, Stopped, TagBelieved
-from tests.onboard.duty.stage import APPROACH, NOW_S, ON_6, ON_SIGHT, P7, PLAN, RUNNING, TIMES, moved
+from tests.onboard.duty.stage import (
+    APPROACH,
+    NOW_S,
+    ON_6,
+    ON_SIGHT,
+    P5,
+    P7,
+    PLAN,
+    RUNNING,
+    STANDING,
+    TIMES,
+    moved,
+)
 
 LEG = replace(PLAN.legs[0], entry=("7",))
 GATED = replace(PLAN, legs=(LEG,))
@@ -43,6 +55,15 @@ def test_on_sight_its_crew_passes_no_points_without_leave_but_those_under_the_tr
     after, actions = step(GATED, TIMES, state, PointsSeen(P7, under=under), state.place, NOW_S)
     assert _asked(actions) == asked
     assert (P7 in after.authority.proven) is under
+
+
+@pytest.mark.parametrize("on_line", [True, False])
+def test_who_may_not_command_what_it_holds_asks_for_leave_though_it_comes_in_nowhere(on_line: bool) -> None:
+    """Persons spoke for it meanwhile, so the register knows no more that it had leave to go; who signs on hears it."""
+    authority = replace(RUNNING.authority, held=("3", "5", "6", "7", "8"), commandable=(), on_line=on_line)
+    state = replace(STANDING, authority=authority, wanted=(P5,))
+    _, actions = step(PLAN, TIMES, state, Looked(), state.place, NOW_S)
+    assert _asked(actions) == ([("5", "6", "7", "8")] if on_line else [])
 
 
 def _after_the_tag(event: Event, place: object = ON_8) -> tuple[str, ...]:
