@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from network.graph import routes_from
+from network.graph import fouled_sections, routes_from
 from network.model import Direction, Line, Position, Route, SectionKind, TagPurpose
 from network.path import Path, path_of
 from network.timetable import CallKind, TimetableTrain
@@ -99,6 +99,7 @@ class Mission:
     spans: tuple[SectionSpan, ...]
     tags: tuple[PathTag, ...]
     targets: tuple[Target, ...]  # the first one is where the train begins
+    overlaps: bool = False  # on this line not all may come in at once (`wayside.entering`)
 
     def span_index(self, section_id: str) -> int:
         """Index of a section on the path; ValueError when it is not there."""
@@ -175,7 +176,10 @@ def plan_mission(
     spans = _spans(line, path, routes)
     targets = _targets(line, train, path, spans, start_section, leave_by, enter_mark_m)
     tags = _tags(line, path, direction)
-    return Mission(train.number, direction, train.revenue, path, tuple(routes), spans, tags, targets)
+    overlaps = bool(fouled_sections(line))
+    return Mission(
+        train.number, direction, train.revenue, path, tuple(routes), spans, tags, targets, overlaps
+    )
 
 
 def _stops(line: Line, train: TimetableTrain, start_section: str, leave_by: str | None) -> list[set[str]]:

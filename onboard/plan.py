@@ -89,6 +89,7 @@ class DutyPlan(msgspec.Struct, frozen=True):
     end_piece: str
     end_kilometrage_m: float
     enters: bool  # the first section is a portal
+    overlaps: bool = False  # points may need leave
 
     def leg_beyond(self, section_id: str) -> PlanLeg | None:
         """The route that begins in a section; None where the plan ends there, or on open line."""
@@ -196,6 +197,7 @@ def plan_of(mission: Mission, length_m: float) -> DutyPlan:
         end_piece,
         end_m,
         enters=mission.spans[0].kind is SectionKind.PORTAL,
+        overlaps=mission.overlaps,
     )
 
 

@@ -22,11 +22,11 @@ def leg_with(plan: DutyPlan, section_id: str) -> PlanLeg | None:
 
 
 def lacks_leave(duty: DutyStep, points: Iterable[PointsNeeded]) -> PointsNeeded | None:
-    """The first of these points that it holds and may not command: where leave is needed to come in, or on the line where
-    nobody knows any more that it had leave to go.
+    """The first of these points that it holds and may not command: where leave is needed to come in, or where nobody
+    knows any more that it had leave to go.
     """
-    authority = duty.state.authority
-    if not (authority.on_line or any(leg.entry for leg in duty.plan.legs)):
+    authority, plan = duty.state.authority, duty.plan
+    if not ((authority.on_line and plan.overlaps) or any(leg.entry for leg in plan.legs)):
         return None
     return next(
         (p for p in points if authority.holds(p.section_id) and p.section_id not in authority.commandable),

@@ -57,13 +57,15 @@ def test_on_sight_its_crew_passes_no_points_without_leave_but_those_under_the_tr
     assert (P7 in after.authority.proven) is under
 
 
-@pytest.mark.parametrize("on_line", [True, False])
-def test_who_may_not_command_what_it_holds_asks_for_leave_though_it_comes_in_nowhere(on_line: bool) -> None:
+@pytest.mark.parametrize(("on_line", "overlaps"), [(True, True), (True, False), (False, True)])
+def test_who_may_not_command_what_it_holds_asks_for_leave_though_it_comes_in_nowhere(
+    on_line: bool, overlaps: bool
+) -> None:
     """Persons spoke for it meanwhile, so the register knows no more that it had leave to go; who signs on hears it."""
     authority = replace(RUNNING.authority, held=("3", "5", "6", "7", "8"), commandable=(), on_line=on_line)
     state = replace(STANDING, authority=authority, wanted=(P5,))
-    _, actions = step(PLAN, TIMES, state, Looked(), state.place, NOW_S)
-    assert _asked(actions) == ([("5", "6", "7", "8")] if on_line else [])
+    _, actions = step(replace(PLAN, overlaps=overlaps), TIMES, state, Looked(), state.place, NOW_S)
+    assert _asked(actions) == ([("5", "6", "7", "8")] if on_line and overlaps else [])
 
 
 def _after_the_tag(event: Event, place: object = ON_8) -> tuple[str, ...]:
