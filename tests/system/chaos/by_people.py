@@ -2,7 +2,6 @@
 
 from typing import Any, Final
 
-from network.model import SectionKind
 from simulation.procedure import Regime
 from simulation.setup import Setup
 from simulation.substitute.hops import RunsThrough, hops_of
@@ -23,11 +22,11 @@ def worked(setup: Setup, when: Row, draw: Draw) -> tuple[Row, Row, tuple[Row, ..
     if setup.battery is not None or not draw.chance(SUBSTITUTE_P):
         return {}, {}, ()
     try:
-        hops_of(drawn_up(setup, setup.line))
+        works = {hop.work for hop in hops_of(drawn_up(setup, setup.line))}
     except RunsThrough:
         return {}, {}, ()
     regimes = [regime.value for regime in Regime]
-    blocks = [section.id for section in setup.line.sections.values() if section.kind is SectionKind.BETWEEN]
+    blocks = [section_id for section_id in setup.line.sections if section_id in works]
     other = draw.of("other")
     table: Row = {
         "regime": draw.of("regime").one_of(regimes),
